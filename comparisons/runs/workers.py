@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
-from analytic.errors import LinkproofError
 from analytic.machine_code import cores
 from comparisons.runs.run_engine import GIB, Failure, Lost, lost
 
@@ -40,9 +39,18 @@ class Bounds:
 DEFAULT_BOUNDS = Bounds()
 
 
+def most_processes() -> int:
+    """The number of cores; 0 where this Python has no processes, as in a browser."""
+    try:
+        import multiprocessing.synchronize  # noqa: F401, PLC0415
+    except ImportError:
+        return 0
+    return cores()
+
+
 def usual_processes(count: int) -> int:
-    """The default number of processes for ``count`` jobs: the number of cores, or 0 for a single job."""
-    return 0 if count == 1 else cores()
+    """The default number of processes for ``count`` jobs: ``most_processes``, or 0 for a single job."""
+    return 0 if count == 1 else most_processes()
 
 
 class Pool(Protocol):
@@ -97,10 +105,8 @@ class LastingPool:
         """A worker that is free, or a new one for jobs of a module; raises LinkproofError where there can be none."""
         while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
             self._free.pop().stop()
-        try:
-            from comparisons.runs.worker_process import Worker  # noqa: PLC0415
-        except ImportError as error:
-            raise LinkproofError(f"there are no worker processes here ({error}): run with --jobs 0") from error
+        from comparisons.runs.worker_process import Worker  # noqa: PLC0415  lacks modules in a browser
+
         return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
@@ -156,8 +162,9 @@ class LocalPool:
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
-        if self.processes != 0:
-            with contextlib.closing(LastingPool(self.processes or cores())) as pool:
+        processes = most_processes() if self.processes is None else self.processes
+        if processes:
+            with contextlib.closing(LastingPool(processes)) as pool:
                 yield from pool.run(function, jobs, bounds, begun)
             return
         for number, job in enumerate(jobs):

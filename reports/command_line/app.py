@@ -71,9 +71,12 @@ def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, A
 
 def _start_workers(module: str) -> None:
     """Start the process that forks workers, which imports a module while this process imports the rest."""
-    from comparisons.runs.worker_process import start_server
+    from comparisons.runs.workers import most_processes
 
-    start_server([module])
+    if most_processes():
+        from comparisons.runs.worker_process import start_server
+
+        start_server([module])
 
 
 def _print_version(is_requested: bool) -> None:

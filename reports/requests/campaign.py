@@ -16,7 +16,6 @@ from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, literature, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
-from analytic.machine_code import cores
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.results import document
@@ -31,7 +30,7 @@ from comparisons.runs.plugins import engines
 from comparisons.runs.plugins import engines as adapters
 from comparisons.runs.run_engine import GIB
 from comparisons.runs.study import Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.records import CONCURRENT_RUNS
@@ -185,7 +184,9 @@ def run_resources(limits: RunLimits) -> RunResources:
     memory = DEFAULT_BOUNDS.memory if limits.memory_limit is None else round(limits.memory_limit * GIB)
     if limits.scheduler is not None and limits.jobs is not None:
         raise LinkproofError("--jobs is about this machine, --scheduler about others: leave one of the two out")
-    return RunResources(Bounds(seconds, memory), cores() if limits.jobs is None else limits.jobs, limits.scheduler)
+    return RunResources(
+        Bounds(seconds, memory), most_processes() if limits.jobs is None else limits.jobs, limits.scheduler
+    )
 
 
 # ``compare``: its runs, limits of the user's own, and earlier results.
