@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout, suppress
@@ -172,22 +173,17 @@ def _with_first_pin(scene: Scene, **changes: object) -> Scene:
 
 
 # By fault in words: the change of a scene that no engine may run.
-NAN, INFINITE = float("nan"), float("inf")
+NAN: Final = float("nan")
 BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
     "a mass that is nan": partial(_with_first_body, mass=NAN),
     "a negative mass": partial(_with_first_body, mass=-1.0),
-    "an infinite mass": partial(_with_first_body, mass=INFINITE),
-    "a negative inertia": partial(_with_first_body, inertia=-1e-3),
     "an inertia that is nan": partial(_with_first_body, inertia=NAN),
     "a position that is nan": partial(_with_first_body, position=(NAN, 0.0)),
-    "a velocity that is infinite": partial(_with_first_body, velocity=(0.0, INFINITE)),
-    "an anchor that is nan": partial(_with_first_pin, first_anchor=(NAN, 0.0)),
+    "a velocity that is infinite": partial(_with_first_body, velocity=(0.0, math.inf)),
     "a pin that is open by half a metre": partial(_with_first_pin, first_anchor=(0.5, 0.5)),
     "a pin on a body that is not there": partial(_with_first_pin, first="nobody"),
-    "a pin of a body with itself": lambda scene: _with_first_pin(scene, second=scene.pins[-1].first),
     "gravity that is nan": lambda scene: replace(scene, gravity=(NAN, 0.0)),
     "a crank that is not there": lambda scene: replace(scene, crank="nobody"),
-    "two bodies of one name": lambda scene: _with_first_body(scene, name=scene.bodies[1].name),
 }
 
 
@@ -210,10 +206,10 @@ def check_recording(trial: EngineTrial) -> None:
         run = run_engine(trial.engine, scene, Setting.TUNED)
         words = f"only {channel.value} requested"
         assert run.history is not None, f"{words}: expected a finished run, got {run.outcome}: {run.reason}"
-        recorded = {reading.channel.value for reading in readings(scene, run.history)}
-        expected = {channel.value} & {offered.value for offered in trial.engine.abilities.readouts}
-        for surplus in sorted(recorded - expected):
-            raise AssertionError(f"{words}: expected no {surplus}, got it: leave it out")
+        recorded = {reading.channel for reading in readings(scene, run.history)}
+        expected = {channel} & trial.engine.abilities.readouts.keys()
+        surplus = ", ".join(sorted(recorded - expected))
+        assert not surplus, f"{words}: expected no {surplus}, got it: leave it out"
         assert recorded == expected, f"{words}: expected it, got none: record it"
         assert run.steps == steps, (
             f"{words}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by "

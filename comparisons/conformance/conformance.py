@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
@@ -107,24 +107,15 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
     return results
 
 
-@dataclass(frozen=True)
-class EngineCheck:
-    """One check of one engine, to be called by a test."""
+def _make(trial: EngineTrial, check: Check) -> None:
+    """Make a check of an engine; raises AssertionError with a sentence, or has pytest skip what is not tested."""
+    import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
-    trial: EngineTrial
-    check: Check
-
-    def __call__(self) -> None:
-        """Make the check; raises AssertionError with a sentence, or has pytest skip what is not tested."""
-        import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
-
-        if self.check.name == DANGEROUS:
-            (result,) = run_in_workers(self.trial.engine, [self.check.name], 1)
-        else:
-            result = self.check.result(self.trial)
-        if result.finding is Finding.NOT_TESTED:
-            pytest.skip(result.detail)
-        assert result.finding is not Finding.FAILED, result.detail
+    dangerous = check.name == DANGEROUS
+    result = run_in_workers(trial.engine, [check.name], 1)[0] if dangerous else check.result(trial)
+    if result.finding is Finding.NOT_TESTED:
+        pytest.skip(result.detail)
+    assert result.finding is not Finding.FAILED, result.detail
 
 
 def parametrize_engine_checks(
@@ -144,6 +135,6 @@ def parametrize_engine_checks(
 
     def case_of(check: Check) -> pytest.ParameterSet:
         marks = [pytest.mark.xfail(reason=expected[check.name], strict=True)] if check.name in expected else []
-        return pytest.param(EngineCheck(trial, check), id=check.name.replace(" ", "-"), marks=marks)
+        return pytest.param(partial(_make, trial, check), id=check.name.replace(" ", "-"), marks=marks)
 
     return pytest.mark.parametrize("check", [case_of(check) for check in CHECKS.values()])

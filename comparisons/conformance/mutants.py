@@ -25,7 +25,6 @@ from comparisons.conformance.trial import (
     EngineTrial,
     NotTestedError,
     Sample,
-    judged_rows,
     scene_of,
 )
 from comparisons.observed_motion import resample
@@ -54,16 +53,16 @@ class Mutant:
     row: str = ""
 
     def check(self, trial: EngineTrial) -> None:
-        """Raise AssertionError unless the fault fails a row that the engine itself passes; the first one is enough."""
+        """Raise AssertionError unless the fault fails a row that the engine itself passes."""
         right, wrong = trial.rows(self.sample, self.setting), self.wrong(trial)
         if self.row and self.row not in right:
             raise NotTestedError(f"no row '{self.row}' is judged of {trial.engine.name}")
         if wrong is None:  # a run that gives up shows the fault
             return
         with np.errstate(all="ignore"):  # a wrong motion can be any numbers
-            rows = judged_rows(self.sample, self.setting, trial.engine.name, wrong)
-            if any(is_over and not right.get(name) for name, is_over in rows if self.row in ("", name)):
-                return
+            rows = trial.judged_rows(self.sample, self.setting, wrong).items()
+        if any(is_over and not right.get(name) for name, is_over in rows if self.row in ("", name)):
+            return
         over = ", ".join(name for name, is_over in right.items() if is_over)
         beside = f" beside {over}, which it fails without the fault too" if over else ""
         signals = vars(trial.finished_history(self.sample, self.setting)).items()

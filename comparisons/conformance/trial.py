@@ -7,19 +7,16 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from analytic.description.crank_motion import CONSTANT_SPEED, RPM, crank_motion
 from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import compared
 from comparisons.case import Case, case_of_file_regime
-from comparisons.invariants.checks import each_check
-from comparisons.judging.limits import judged_deviation
-from comparisons.judging.quantities import chosen_quantities
+from comparisons.judging.quantities import all_quantities
 from comparisons.judging.records import Verdict, run_of
 from comparisons.observed_motion import ObservedMotion
 from comparisons.runs.run_engine import AdapterError, blamed_on, run_engine
@@ -208,21 +205,16 @@ class EngineTrial:
     def rows(self, sample: str, setting: Setting) -> Mapping[str, bool]:
         """The judged rows of its run of a sample, all joints in one, and whether each failed."""
         if (sample, setting) not in self._rows:
-            failed = dict[str, bool]()
-            history = self.finished_history(sample, setting)
-            for name, is_over in judged_rows(sample, setting, self.engine.name, history):
-                failed[name] = failed.get(name, False) or is_over
-            self._rows[sample, setting] = MappingProxyType(failed)
+            self._rows[sample, setting] = self.judged_rows(sample, setting, self.finished_history(sample, setting))
         return self._rows[sample, setting]
 
-
-def judged_rows(sample: str, setting: Setting, engine: str, history: History) -> Iterator[tuple[str, bool]]:
-    """The judged rows of an engine's run of a sample one by one, and whether each failed."""
-    of = case(sample)
-    blank = run_of(of, setting, engine).blank
-    motion = ObservedMotion(scene_of(sample), history)
-    own = [each for each in chosen_quantities(of, ()) if not (each.lacking(motion) or each.shared(of, motion))]
-    rows = (judged_deviation(of, quantity, motion, blank)[0] for quantity in own)
-    for row in chain(rows, each_check(of, motion, blank)):
-        if Verdict(row.outcome).judged:
-            yield row.quantity.partition(":")[0], Verdict(row.outcome).failed
+    def judged_rows(self, sample: str, setting: Setting, history: History) -> Mapping[str, bool]:
+        """The same of any history of a sample as compare judges it, but for what the closed form gives of it."""
+        of, motion = case(sample), ObservedMotion(scene_of(sample), history)
+        run = compared(of, motion, all_quantities(of).values(), run_of(of, setting, self.engine.name), self.engine)
+        failed: dict[str, bool] = {}
+        for row in run.every:
+            if Verdict(row.outcome).judged and row.error_max is not None and not row.shared:
+                name = row.quantity.partition(":")[0]
+                failed[name] = failed.get(name, False) or Verdict(row.outcome).failed
+        return failed
