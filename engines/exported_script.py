@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analytic.description.linkage import DriverKind
+from analytic.description.units import Kind
 from engines.contract import History
 from engines.registry import silenced
 from engines.scene import Scene
@@ -64,7 +65,7 @@ class ScriptFigure(NamedTuple):
         kind, *joint = self.signal
         if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
             return 1.0
-        return units.unit("force" if joint or (kind == "torque" and driver is not DriverKind.CRANK) else kind)
+        return units.unit(Kind.FORCE if joint else Kind.DRIVE if kind == "torque" else Kind.LENGTH, driver)
 
 
 def script(
@@ -159,5 +160,5 @@ def _units_in_words(units: OwnUnits | None) -> str:
         return "Units: m, kg, s, rad and what follows from them."
     return (
         f"Units: the length is {units.length!r} m, the mass {units.mass!r} kg; s and rad. So a force is "
-        f"{units.unit('force')!r} N, a torque or a moment of inertia {units.unit('torque')!r} N m or kg m2."
+        f"{units.unit(Kind.FORCE)!r} N, a torque or a moment of inertia {units.unit(Kind.TORQUE)!r} N m or kg m2."
     )

@@ -10,13 +10,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import Law, TimeLaw
-from analytic.description.linkage import GROUND, DriverKind, Linkage, Slider, Slot, Vector, rotate
+from analytic.description.linkage import GROUND, Direction, DriverKind, Linkage, Position, Slider, Slot, Vector, rotate
+from analytic.description.units import Kind
 
 
 class Channel(StrEnum):
@@ -37,14 +39,14 @@ class Body:
     """
 
     name: str
-    mass: float
-    inertia: float | None
-    position: Vector
-    angle: float
-    velocity: Vector
-    angular_velocity: float
-    acceleration: Vector
-    angular_acceleration: float
+    mass: Annotated[float, Kind.MASS]
+    inertia: Annotated[float | None, Kind.INERTIA]
+    position: Position
+    angle: Annotated[float, Kind.ANGLE]
+    velocity: Annotated[Vector, Kind.VELOCITY]
+    angular_velocity: Annotated[float, Kind.ANGULAR_VELOCITY]
+    acceleration: Annotated[Vector, Kind.ACCELERATION]
+    angular_acceleration: Annotated[float, Kind.ANGULAR_ACCELERATION]
 
 
 @dataclass(frozen=True)
@@ -57,8 +59,8 @@ class PinJoint:
     name: str
     first: str
     second: str
-    first_anchor: Vector
-    second_anchor: Vector
+    first_anchor: Position
+    second_anchor: Position
 
 
 @dataclass(frozen=True)
@@ -67,10 +69,10 @@ class GuidedJoint:
 
     name: str
     body: str
-    anchor: Vector
+    anchor: Position
     host: str
-    through: Vector
-    along: Vector
+    through: Position
+    along: Direction
 
 
 class SliderJoint(GuidedJoint):
@@ -86,8 +88,8 @@ class AppliedForce:
     """Force on a body at an anchor; two components in the ground frame over the crank angle."""
 
     body: str
-    anchor: Vector
-    force: Law
+    anchor: Position
+    force: Annotated[Law, Kind.FORCE]
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class AppliedTorque:
     """Torque on a body over the crank angle, one component."""
 
     body: str
-    torque: Law
+    torque: Annotated[Law, Kind.TORQUE]
 
 
 @dataclass(frozen=True)
@@ -104,11 +106,11 @@ class PointSpring:
 
     first: str
     second: str
-    first_anchor: Vector
-    second_anchor: Vector
-    stiffness: float
-    length: float
-    damping: float
+    first_anchor: Position
+    second_anchor: Position
+    stiffness: Annotated[float, Kind.STIFFNESS]
+    length: Annotated[float, Kind.LENGTH]
+    damping: Annotated[float, Kind.DAMPING]
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ class TurnDamper:
 
     first: str
     second: str
-    coefficient: float
+    coefficient: Annotated[float, Kind.TURN_DAMPING]
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,8 @@ class Cylinder:
 
     first: str
     second: str
-    first_anchor: Vector
-    second_anchor: Vector
+    first_anchor: Position
+    second_anchor: Position
 
 
 GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
@@ -156,9 +158,9 @@ class Free:
     swinging, for the choice of a step; 0 if unknown.
     """
 
-    torque: float
-    duration: float
-    pace: float = 0.0
+    torque: Annotated[float, Kind.DRIVE]
+    duration: Annotated[float, Kind.TIME]
+    pace: Annotated[float, Kind.COORDINATE_SPEED] = 0.0
     over_time: TimeLaw | None = None
 
     def torque_at(self, time: ArrayLike) -> NDArray[np.float64]:
@@ -183,7 +185,7 @@ class Scene:
     pins: tuple[PinJoint, ...]
     sliders: tuple[SliderJoint, ...]
     slots: tuple[SlotJoint, ...]
-    gravity: Vector
+    gravity: Annotated[Vector, Kind.ACCELERATION]
     drive: Drive
     channels: frozenset[Channel]
     forces: tuple[AppliedForce, ...] = ()

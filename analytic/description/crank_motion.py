@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.description.units import Kind
 from analytic.errors import LinkproofError, UnknownNameError
 
 Array = NDArray[np.float64]
@@ -33,9 +34,9 @@ LARGEST = 1e12  # rad/s, s or rad: beyond it the polynomials of time keep no dig
 class Segment:
     """φ(t) = Σ coefficients[k] (t − start)^k for start ≤ t ≤ end, rad and s."""
 
-    start: float
-    end: float
-    coefficients: tuple[float, ...]
+    start: Annotated[float, Kind.TIME]
+    end: Annotated[float, Kind.TIME]
+    coefficients: Annotated[tuple[float, ...], Kind.COORDINATE]
 
     def value(self, time: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """φ or its derivative of the given order at ``time``, s, in rad and s; shape of ``time``."""

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.units import Kind
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
@@ -27,8 +29,8 @@ class TimeLaw:
     N m, as many.
     """
 
-    times: tuple[float, ...]
-    torque: tuple[float, ...]
+    times: Annotated[tuple[float, ...], Kind.TIME]
+    torque: Annotated[tuple[float, ...], Kind.DRIVE]
 
     def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
         """The value at each time; shape of ``time``."""

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
-
-import numpy as np
+from dataclasses import dataclass
 
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, DriverKind
+from analytic.description.walk import walk
 from engines.contract import Abilities
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, driven, pose_of, start_motion
@@ -158,7 +157,7 @@ def _weight_faults(body: Body, least: float) -> Iterator[str]:
 
 def _value_faults(scene: Scene) -> Iterator[str]:
     """Finite numbers that an engine cannot run with, each in a sentence."""
-    if not _has_usable_numbers(scene.gravity):
+    if not all(abs(component) < LARGEST for component in scene.gravity):
         yield "gravity is not finite"
     for spring in scene.springs:
         if min(spring.stiffness, spring.length, spring.damping) < 0.0:
@@ -171,13 +170,9 @@ def _value_faults(scene: Scene) -> Iterator[str]:
         yield "the drive has a duration that is not positive"
 
 
-def _has_usable_numbers(value: object) -> bool:
+def _has_usable_numbers(part: object) -> bool:
     """Whether every number of a part of a scene is finite and of a size that can be reckoned with."""
-    if isinstance(value, float | np.ndarray):
-        return bool(np.all(np.abs(value) < LARGEST))  # false for nan
-    if is_dataclass(value):
-        return all(_has_usable_numbers(getattr(value, field.name)) for field in fields(value))
-    return not isinstance(value, tuple) or all(map(_has_usable_numbers, value))
+    return all(abs(number.value) < LARGEST for number in walk(part))  # false for nan
 
 
 def _named_bodies(part: object) -> set[str]:

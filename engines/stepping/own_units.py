@@ -7,32 +7,20 @@ for the same mechanism a thousand times larger its iteration does not end.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analytic.description.crank_motion import CrankMotion
-from analytic.description.law import Law
 from analytic.description.linkage import DriverKind
+from analytic.description.units import Kind
+from analytic.description.walk import walk, with_values
 from engines.contract import History, Signal
 from engines.mechanics.joints import scene_size
-from engines.scene import Drive, Prescribed, Scene
+from engines.scene import Scene
 
 # Largest mass in a scene's own units. Accelerations are large numbers where velocities are moderate ones; small masses
 # keep forces from outweighing the velocities at which joints open. Measured: flat from 1e-4 down, a little worse at 1.
 LARGEST_MASS = 1e-3
-
-
-# Powers of length and mass in the unit of what a scene's parts call so; everything else has none, or that of time.
-POWERS: Mapping[str, tuple[int, int]] = {
-    **dict.fromkeys(("position", "velocity", "acceleration", "gravity", "length"), (1, 0)),
-    **dict.fromkeys(("anchor", "first_anchor", "second_anchor", "through"), (1, 0)),
-    **dict.fromkeys(("mass", "stiffness", "damping"), (0, 1)),  # N/m is kg/s²
-    **dict.fromkeys(("inertia", "torque", "coefficient"), (2, 1)),
-    "force": (1, 1),
-}
 
 
 @dataclass(frozen=True)
@@ -42,10 +30,9 @@ class OwnUnits:
     length: float
     mass: float
 
-    def unit(self, name: str) -> float:
-        """The unit, in SI, of a quantity by its name in ``POWERS``."""
-        length, mass = POWERS[name]
-        return float(self.length**length * self.mass**mass)
+    def unit(self, kind: Kind, driver: DriverKind = DriverKind.CRANK) -> float:
+        """The unit, in SI, of a kind of number where this drives."""
+        return kind.of_driver(is_linear=driver is not DriverKind.CRANK).size(self.length, self.mass)
 
 
 def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
@@ -56,50 +43,10 @@ def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
     """The same scene with every number in the units given."""
-    result: Scene = _scaled(scene, "", units)
-    return result if scene.driver_kind is DriverKind.CRANK else _scale_linear_driver(result, units)
-
-
-def _scale_linear_driver(scene: Scene, units: OwnUnits) -> Scene:
-    """A scene in own units with a φ that is a length: φ, the drive's force and the loads' laws over φ as well."""
-    drive: Drive
-    if isinstance(scene.drive, Prescribed):
-        motion = scene.drive.motion
-        segments = [
-            replace(segment, coefficients=tuple(c / units.length for c in segment.coefficients))
-            for segment in motion.segments
-        ]
-        drive = Prescribed(replace(motion, segments=tuple(segments)))
-    else:
-        torque, pace = scene.drive.torque * units.length, scene.drive.pace / units.length
-        timed = scene.drive.over_time
-        if timed is not None:
-            timed = replace(timed, torque=tuple(value * units.length for value in timed.torque))
-        drive = replace(scene.drive, torque=torque, pace=pace, over_time=timed)
-
-    def over_length(law: Law) -> Law:
-        return law if law.angles is None else replace(law, angles=law.angles / units.length)
-
-    return replace(
-        scene,
-        drive=drive,
-        forces=tuple(replace(load, force=over_length(load.force)) for load in scene.forces),
-        torques=tuple(replace(load, torque=over_length(load.torque)) for load in scene.torques),
-    )
-
-
-def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a scene, or anything in one
-    """A part of a scene, or a number by the ``name`` of its quantity, in the units given."""
-    if name in POWERS and value is not None:
-        unit = units.unit(name)
-        if isinstance(value, Law):
-            return replace(value, values=value.values / unit)
-        return tuple(number / unit for number in value) if isinstance(value, tuple) else value / unit
-    if isinstance(value, tuple):
-        return tuple(_scaled(each, "", units) for each in value)
-    if is_dataclass(value) and not isinstance(value, (type, CrankMotion)):
-        return replace(value, **{f.name: _scaled(getattr(value, f.name), f.name, units) for f in fields(value)})
-    return value
+    sizes = {kind: units.unit(kind, scene.driver_kind) for kind in Kind}
+    values = {path: value / sizes[kind] for path, kind, value in walk(scene) if sizes[kind] != 1.0}
+    result: Scene = with_values(scene, values)
+    return result
 
 
 def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
@@ -113,9 +60,9 @@ def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.
         position=times(history.position, coordinates),
         velocity=times(history.velocity, coordinates),
         acceleration=times(history.acceleration, coordinates),
-        torque=times(history.torque, units.unit("torque" if driver is DriverKind.CRANK else "force")),
+        torque=times(history.torque, units.unit(Kind.DRIVE, driver)),
         joint_force={
-            name: replace(signal, values=signal.values * units.unit("force"))
+            name: replace(signal, values=signal.values * units.unit(Kind.FORCE))
             for name, signal in history.joint_force.items()
         },
     )

@@ -7,6 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
+from analytic.description.units import Kind
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.case import scene
 from engines.contract import Setting
@@ -49,7 +50,7 @@ def test_the_torque_is_the_motors_impulse_less_what_keeps_its_sign_and_nothing_e
     model = driven(mechanism("juki-mf7923d"), _motion(), channels=frozenset({Channel.TORQUE}))
     torque = history_of(ENGINE, model).torque
     (((world, step, *_), (_, impulses, _)),) = seen
-    expected = (world.given["offset"] - impulses[:, 0] / step) * own_units(model).unit("torque")
+    expected = (world.given["offset"] - impulses[:, 0] / step) * own_units(model).unit(Kind.TORQUE)
     assert torque.values == pytest.approx(expected, rel=1e-12, abs=1e-15)
 
 
