@@ -44,6 +44,7 @@ def compare(
     time_limit: float | None = ...,
     memory_limit: float | None = ...,
     jobs: int | None = ...,
+    scheduler: str | None = ...,
 ) -> Comparison: ...
 def judge(
     linkage: Linkage | str | Path,
