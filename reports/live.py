@@ -95,9 +95,9 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
         for point in linkage.links[linkage.crank].points:
             add_pull(point, linkage.crank, "crank", structure.pivot.point)
     own = {slider.link: slider.point for slider in linkage.sliders}
-    for dyad in structure.dyads:
-        inner = dyad.inner_joint.point if isinstance(dyad.inner_joint, Revolute) else ""
-        for name, outer in ((dyad.first, dyad.first_joint), (dyad.second, dyad.second_joint)):
+    for group in structure.dyads:
+        inner = next((joint.point for joint in group.joints[1:-1] if isinstance(joint, Revolute)), "")
+        for name, outer in zip(group.links, (group.joints[0], group.joints[-1]), strict=False):
             hangs = outer.point if isinstance(outer, Revolute) else ""
             for point in linkage.links[name].points if name in linkage.links else ():
                 if point == inner:
@@ -258,7 +258,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
         "motion": _motion(motion, is_linear=mechanism.linkage.is_linear) | {"open": _open_places(mechanism, motion)},
         "results": [_result(name, mechanism) for name in results(mechanism)],
         "groups": [
-            {"name": dyad.name, "point": getattr(dyad.inner_joint, "point", "")} for dyad in mechanism.structure.dyads
+            {"name": dyad.name, "point": getattr(dyad.joints[1], "point", "")} for dyad in mechanism.structure.dyads
         ],
     }
     return Model(mechanism, source, numbers, data)

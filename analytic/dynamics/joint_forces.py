@@ -29,6 +29,7 @@ from analytic.kinematics.frames import Pair, Scalar, cross, dot
 from analytic.kinematics.structure import (
     AnyGroup,
     DrivenDistance,
+    DrivenLink,
     Dyad,
     Group,
     GroupJoint,
@@ -276,6 +277,9 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoi
     if isinstance(group, Dyad):
         needs = balance.needs[group.first], balance.needs[group.second]
         return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
+    if isinstance(group, DrivenLink):
+        return _driven_link(balance, group, balance.needs[group.first])
+    assert isinstance(group, Group)
     return _wrenches_by_equilibrium(balance, group)
 
 
@@ -336,6 +340,20 @@ _DYADS: Mapping[str, Callable[[LinkBalance, Dyad, Wrench, Wrench], JointWrenches
     "RPP": _rpp,
     "PRP": _prp,
 }
+
+
+def _driven_link(balance: LinkBalance, group: DrivenLink, need: Wrench) -> list[tuple[GroupJoint, Wrench]]:
+    """By (arm × u) p = M about the pin, or p u·e = F·e along the slide, the cylinder pushes with p along u."""
+    u, arm, force = balance.direction(group.cylinder), balance.arm(group.first, group.cylinder.far_local), need[:2]
+    turn = cross(arm, u)
+    if isinstance(group.outer, Revolute):
+        push = need[2] / turn
+        outer = (force[0] - push * u[0], force[1] - push * u[1], 0.0)
+    else:
+        e = _slide_direction(balance, group.outer)
+        push = dot(force, e) / dot(u, e)
+        outer = _slide_wrench(e, cross(e, force) - push * cross(e, u), need[2] - push * turn)
+    return [(group.outer, outer), (group.cylinder, (push * u[0], push * u[1], push * turn))]
 
 
 def _inner_arms(balance: LinkBalance, dyad: Dyad) -> tuple[Pair, Pair]:

@@ -26,7 +26,7 @@ from analytic.description.linkage import GROUND
 from analytic.kinematics.branch import NODES, ChangePoints, Patch, Touch, Windows
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads import ROUNDING
-from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import ClosedGroup, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import FIXED, crank_motion
 from analytic.numerics.roots import find_lowest, may_touch_zero
 
@@ -52,7 +52,7 @@ APART: Final = 0.45  # of the distance of two change points
 class Undetermined(NamedTuple):
     """A dyad, a crank angle, rad, and why its motion there is undetermined: a folded kite, change points that merge."""
 
-    dyad: Dyad
+    dyad: ClosedGroup
     angle: float
     reason: str
 
@@ -91,7 +91,7 @@ class _Chain:
         self.done = 0
         self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
-    def poses_before(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
+    def poses_before(self, dyads: Sequence[ClosedGroup]) -> list[dict[str, Any]]:
         """The poses, by body, once these first dyads are solved, for every order of derivative."""
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
@@ -104,14 +104,14 @@ class _Chain:
         self.done = len(dyads)
         return self.known
 
-    def solve(self, dyad: Dyad, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
+    def solve(self, dyad: ClosedGroup, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
         """Add the poses of a dyad's links, with the lengths that touch."""
         solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
             solver.form.snap_to_touch(touch.margin, touch.gap)
         steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)
         for solved, step in zip(known, steps, strict=False):
-            solved[dyad.first], solved[dyad.second] = step(solved)
+            solved.update(zip(dyad.links, step(solved), strict=True))
         return solver
 
 
@@ -244,7 +244,7 @@ class _ChangePointSearch:
         analysis = chebyshev.chebvander(places, NODES - 1) * (np.longdouble(2.0) / NODES)
         analysis[:, 0] *= 0.5
         for solved in known:
-            parts = itertools.chain(solved[dyad.first], solved[dyad.second])
+            parts = itertools.chain(*(solved[link] for link in dyad.links))
             values = np.stack([np.broadcast_to(np.asarray(part, dtype=np.longdouble), places.shape) for part in parts])
             with np.errstate(invalid="ignore"):
                 yield analysis.T @ values.T

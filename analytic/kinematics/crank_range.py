@@ -18,7 +18,7 @@ from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followe
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.group_solver import DEAD, GroupSolver
-from analytic.kinematics.structure import AnyGroup, Dyad, Structure
+from analytic.kinematics.structure import AnyGroup, ClosedGroup, Structure
 from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
 from analytic.numerics.roots import find_lowest, may_touch_zero, root
 
@@ -200,7 +200,7 @@ class _Margins:
         seen = offsets[1:-1][np.any(low, axis=0)]
         looked_at = may_touch_zero(margins, ROUNDING)
         for row, group in enumerate(self.structure.groups):
-            if isinstance(group, Dyad) and group.changes:  # which it passes, so that they are no limits
+            if isinstance(group, ClosedGroup) and group.changes:  # which it passes, so that they are no limits
                 bends = group.changes.signs(self.start + offsets[2:]) != group.changes.signs(self.start + offsets[:-2])
                 looked_at[row] &= ~bends
         rows, columns = np.nonzero(looked_at)

@@ -17,8 +17,11 @@ from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider
 from analytic.errors import StructureError, listed
 from analytic.kinematics.structure import (
     KINDS,
+    PUSHED,
+    TURNED,
     AnyGroup,
     DrivenDistance,
+    DrivenLink,
     Dyad,
     Group,
     GroupJoint,
@@ -45,7 +48,7 @@ Edge = tuple[int, tuple[str, ...]]  # a number of equations, and the unplaced bo
 
 def find_group(
     linkage: Linkage, placed: set[str], holders: dict[str, str], cylinder: DrivenDistance | None
-) -> Group | None:
+) -> Group | DrivenLink | None:
     """The first group of the remaining links by name; None where the joints do not fit the unknowns.
 
     ``holders`` are placed bodies of pins; a slot's pin is a slider of the linkage.
@@ -58,6 +61,9 @@ def find_group(
         return None
     links = min(tuple(sorted(set(names) & {*left})) for names in components)
     joints = tuple(_joints(linkage, links, placed, holders, cylinder))
+    outer, driver = joints[0], joints[-1]
+    if len(links) == 1 and isinstance(driver, DrivenDistance) and not isinstance(outer, DrivenDistance):
+        return DrivenLink(TURNED if isinstance(outer, Revolute) else PUSHED, links[0], outer, driver)
     return Group(links, joints, _class_of_group(links, joints))
 
 
@@ -281,8 +287,8 @@ class _PlacedBodies:
                 return self._dyad(first, second, inner[0])
         return None
 
-    def next_group(self) -> Group | None:
-        """The first group of a higher class, where no dyad fits."""
+    def next_group(self) -> Group | DrivenLink | None:
+        """The first group of a higher class, or with the cylinder, where no dyad fits."""
         return find_group(self.linkage, self.placed, self.holders, self.cylinder())
 
     def cylinder(self) -> DrivenDistance | None:

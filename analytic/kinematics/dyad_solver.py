@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.branch import Windows
-from analytic.kinematics.dyads import FORMS, ROUNDING, Poses, Rates
+from analytic.kinematics.dyads import FORMS, ROUNDING
 from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.group_solver import GroupSolver
-from analytic.kinematics.structure import Dyad
+from analytic.kinematics.structure import ClosedGroup
 
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -26,18 +26,21 @@ class DyadSolver:
     Each order of derivative reuses the results of the one below; poses alone cost no more than poses.
     """
 
-    def __init__(self, dyad: Dyad, angle: Scalar = None, windows: Windows | None = None) -> None:
-        """``angle``, rad, is needed where the dyad passes change points; ``windows`` are those of the angle so far."""
+    def __init__(self, dyad: ClosedGroup, angle: Scalar = None, windows: Windows | None = None) -> None:
+        """``angle``, φ, is needed where the group passes change points or a cylinder drives.
+
+        ``windows`` are those of φ so far.
+        """
         self.dyad, self.angle = dyad, angle
         self.windows: Windows = {} if windows is None else windows
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
-        self.form = FORMS[dyad.kind](dyad, self.sign)
-        self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
-        self.link_poses: Poses
-        self.link_rates: Rates
+        self.form: Any = FORMS[dyad.kind](dyad, self.sign, angle)
+        self.hosts = (dyad.joints[0].near, dyad.joints[-1].near)
+        self.link_poses: tuple[Pose, ...]
+        self.link_rates: tuple[Rate, ...]
 
-    def poses(self, poses: Mapping[str, Pose]) -> Poses:
-        """Poses of the first and the second link; nan where the links do not meet."""
+    def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
+        """Poses of the links; nan where the links do not meet."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.poses(self._of_hosts(poses))
             self.moves = self._moves()
@@ -48,7 +51,7 @@ class DyadSolver:
         first, second = self.hosts
         return known[first], known[second]
 
-    def _through_change_points(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
+    def _through_change_points(self, order: int, pair: tuple[Any, ...]) -> tuple[Any, ...]:
         """Values of the formulas; near change points those of the series through them."""
         changes = self.dyad.changes
         return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
@@ -62,14 +65,14 @@ class DyadSolver:
             return determinant > least
         return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least
 
-    def rates(self, rates: Mapping[str, Rate]) -> Rates:
+    def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
         """First derivatives over φ; the poses must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.rates(self._of_hosts(rates), self.link_poses)
         self.link_rates = self._through_change_points(1, pair)
         return self.link_rates
 
-    def accelerations(self, accelerations: Mapping[str, Rate]) -> Rates:
+    def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
         """Second derivatives over φ; the rates must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses, self.link_rates)
@@ -129,8 +132,9 @@ def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Arra
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
     dyad, where = solver.dyad, linkage.place(_at(angle, angle, first))
+    stand = "stand" if len(dyad.links) > 1 else "and its cylinder stand"
     raise AssemblyError(
-        f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {where}, "
+        f"'{linkage.name}': {dyad.words} {stand} in a dead position at {where}, "
         "where their velocities are undefined; choose other crank angles, or lengths that keep the transmission angle "
         "away from 0° and 180°"
     )

@@ -23,7 +23,7 @@ import numpy as np
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+from analytic.kinematics.structure import PUSHED, TURNED, ClosedGroup, DrivenDistance, Prismatic, Revolute
 
 At = Callable[[Scalar], float]
 Written = Callable[[float], str]
@@ -132,6 +132,32 @@ class Rail:
         return (*frames.point_along(origin, slope, self.e), self.host_second[2])
 
 
+class Strut(Rod):
+    """The driving cylinder: a rod of the length φ, which turns about its near end and is no link of the group."""
+
+    def __init__(self, cylinder: DrivenDistance, length: Scalar) -> None:
+        self.near, self.length = cylinder.near_local, length
+
+    def pose(self, vector: Pair) -> None:  # type: ignore[override]
+        """It has none; its direction u counts."""
+        self.u = (vector[0] / self.length, vector[1] / self.length)
+
+    def carried(self, host: Rate, point: Pair) -> Pair:
+        """First derivative of its far end if it did not turn: the length grows with φ."""
+        return frames.plus(super().carried(host, point), self.u)
+
+    def rate(self, link: None, x: Scalar) -> None:  # type: ignore[override]
+        """Note its turning."""
+        self.x = x
+
+    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+        """Second derivative of its far end without x', with the Coriolis term of the growing length."""
+        return frames.plus(super().carried_twice(host, point, self.x), frames.coriolis(self.x, 1.0, self.u))
+
+    def second(self, link: None, slope: Scalar) -> None:  # type: ignore[override]
+        """Nothing follows."""
+
+
 def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
     """A point of the sliding body, in the frame it slides on, at zero travel."""
     c, s = rail.turn
@@ -147,14 +173,15 @@ def _size(a: Pair, b: Pair) -> Scalar:
 class _DyadForm:
     """What is common to all: parallel guides, of which the others know more. ``sign`` picks the assembly mode.
 
-    ``determinant`` vanishes in dead positions; its sign is that of the assembly mode.
+    ``coordinate`` is φ, which the driving cylinder needs as its length. ``determinant`` vanishes in dead positions; its
+    sign is that of the assembly mode.
     """
 
     determinant: Scalar
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        self.dyad, self.sign = dyad, sign
-        self.joints: tuple[Any, Any, Any] = dyad.joints  # of the kinds that the dyad's name says
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        self.dyad, self.sign, self.coordinate = dyad, sign, coordinate
+        self.joints: tuple[Any, ...] = dyad.joints  # of the kinds that the group's says
 
     @property
     def outer_pins(self) -> str:
@@ -167,7 +194,7 @@ class _DyadForm:
 
     def dead_position(self) -> str:
         """How the links stand in a dead position, in words."""
-        return f"the guides of '{self.dyad.first}' and '{self.dyad.second}' parallel"
+        return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
         """Length, m, by which the links reach beyond meeting, negative where they do not, and the lengths it is of.
@@ -189,8 +216,7 @@ class _DyadForm:
         ``at`` picks the value at one crank angle, ``written`` writes a length.
         """
         return UNDETERMINED, (
-            f"the guides of '{self.dyad.first}' and '{self.dyad.second}' are parallel, so nothing holds the two in "
-            "place; turn one of the guides"
+            f"the guides of {self.dyad.words} are parallel, so nothing holds the two in place; turn one of the guides"
         )
 
 
@@ -240,8 +266,8 @@ class RRR(_PinDyad):
     The determinant r × q is |AB| times C's distance from the line AB.
     """
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         first, inner, second = self.joints
         self.sides = _rod(first, inner.far_local), _rod(second, inner.near_local)
         self.lengths = self.sides[0].length, self.sides[1].length
@@ -294,9 +320,9 @@ class RRR(_PinDyad):
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The arms are too short for the gap, or one is too long."""
-        dyad, (first, second) = self.dyad, self.lengths
+        dyad, (first, second), other = self.dyad, self.lengths, self.dyad.links[1]
         gap = at(np.hypot(*frames.minus(self.sides[1].base, self.sides[0].base)))
-        links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"
+        links = f"'{dyad.first}' ({written(first)}) and '{other}' ({written(second)})"
         if gap == 0.0:
             fault = UNDETERMINED if first == second else UNASSEMBLED
             return fault, f"{links} have their outer pins on top of each other; move one of the pivots"
@@ -306,7 +332,7 @@ class RRR(_PinDyad):
                 f"{links} together are {written(gap - first - second)} shorter than {between}; lengthen one of them, "
                 "shorten the crank or move the pivots closer together"
             )
-        longer, shorter = (dyad.first, dyad.second) if first > second else (dyad.second, dyad.first)
+        longer, shorter = (dyad.first, other) if first > second else (other, dyad.first)
         return UNASSEMBLED, (
             f"{links} differ by {written(abs(first - second) - gap)} more than {between}; shorten '{longer}', lengthen "
             f"'{shorter}' or move the pivots apart"
@@ -316,8 +342,8 @@ class RRR(_PinDyad):
 class RRP(_PinDyad):
     """A circle and a line: A + r = base + t e with |r| given; r · e, the determinant, has the sign given."""
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         first, inner, second = self.joints
         self.sides = _rod(first, inner.far_local), Rail(second, inner.near_local)
 
@@ -339,7 +365,7 @@ class RRP(_PinDyad):
 
     def dead_position(self) -> str:
         """The arm is square to the line."""
-        return f"'{self.dyad.first}' square to the guide of '{self.dyad.second}'"
+        return f"'{self.joints[0].far}' square to the guide of '{self.joints[2].far}'"
 
     def _distance(self) -> Scalar:
         """A's distance from the line, m."""
@@ -360,7 +386,7 @@ class RRP(_PinDyad):
         dyad, distance, length = self.dyad, at(self._distance()), self.sides[0].length
         return UNASSEMBLED, (
             f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
-            f"'{dyad.second}', {written(distance)} away from '{self.joints[0].point}'; lengthen it or move the "
+            f"'{dyad.links[1]}', {written(distance)} away from '{self.joints[0].point}'; lengthen it or move the "
             "guide closer"
         )
 
@@ -368,8 +394,8 @@ class RRP(_PinDyad):
 class PRP(_PinDyad):
     """Two lines: C = base₁ + t e = base₂ + u f, with one assembly mode; the determinant is e × f."""
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         first, inner, second = self.joints
         self.sides = Rail(first, inner.far_local), Rail(second, inner.near_local)
 
@@ -392,8 +418,8 @@ class _SlideDyad(_DyadForm):
     f: Pair
     align: Callable[[], Pose]
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         pin, self.inner, _ = self.joints
         self.near, self.far = pin.near_local, pin.far_local
 
@@ -430,8 +456,8 @@ class RPR(_SlideDyad):
     The determinant is t, A's coordinate along the line from B's foot.
     """
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         second = self.joints[2]
         self.side = Rod(second, self.inner.along, 1.0)
         self.offset = frames.cross(
@@ -458,7 +484,7 @@ class RPR(_SlideDyad):
 
     def dead_position(self) -> str:
         """The slide is square to the line through the outer pins."""
-        return f"the slide square to the line of '{self.dyad.first_joint.name}' and '{self.dyad.second_joint.name}'"
+        return f"the slide square to the line of '{self.joints[0].name}' and '{self.joints[2].name}'"
 
     def gap(self) -> Scalar:
         """Distance AB, m."""
@@ -478,11 +504,11 @@ class RPR(_SlideDyad):
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:
             return UNDETERMINED, (
-                f"{self.outer_pins} coincide, so the direction of the slide between '{dyad.first}' and "
-                f"'{dyad.second}' is undefined; move the pivot off the pin's path"
+                f"{self.outer_pins} coincide, so the direction of the slide between {dyad.words} is "
+                "undefined; move the pivot off the pin's path"
             )
         return UNASSEMBLED, (
-            f"the slide between '{dyad.first}' and '{dyad.second}' is offset by {written(offset)}, "
+            f"the slide between {dyad.words} is offset by {written(offset)}, "
             f"{written(offset - distance)} more than the distance between {self.outer_pins}; lessen the offset or "
             "move the pivot away"
         )
@@ -491,8 +517,8 @@ class RPR(_SlideDyad):
 class RPP(_SlideDyad):
     """Two lines of one direction each: A = base + x e + t f, with one assembly mode; the determinant is f × e."""
 
-    def __init__(self, dyad: Dyad, sign: Scalar) -> None:
-        super().__init__(dyad, sign)
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
         self.side = Rail(self.joints[2], point_on_rail(self.inner, self.far))
 
     def align(self) -> Pose:
@@ -506,6 +532,54 @@ class RPP(_SlideDyad):
         return second
 
 
+class _DrivenForm(_PinDyad):
+    """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
+
+    own = 0  # the number of the link's side
+
+    def poses(self, hosts: Poses) -> tuple[Pose]:  # type: ignore[override]
+        """Pose of the link."""
+        return (super().poses(hosts)[self.own],)
+
+    def rates(self, hosts: Rates, links: tuple[Pose]) -> tuple[Rate]:  # type: ignore[override]
+        """First derivative of the link's pose."""
+        return (super().rates(hosts, links * 2)[self.own],)
+
+    def seconds(self, hosts: Rates, links: tuple[Pose], rates: tuple[Rate]) -> tuple[Rate]:  # type: ignore[override]
+        """Second derivative of the link's pose."""
+        return (super().seconds(hosts, links * 2, rates * 2)[self.own],)
+
+    def fault(self, at: At, written: Written) -> Shortfall:
+        """The cylinder is too short or too long for the link."""
+        length, link = at(self.coordinate), self.dyad.first
+        return UNASSEMBLED, f"the cylinder of {written(length)} does not reach '{link}'; stay within its range"
+
+
+class TurnedLink(_DrivenForm, RRR):
+    """A link on a pin: the triangle of its arm, the cylinder and the line between their pins (law of cosines)."""
+
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        _DyadForm.__init__(self, dyad, sign, coordinate)
+        outer, cylinder = self.joints
+        rod = _rod(outer, cylinder.far_local)
+        self.sides, self.lengths = (rod, Strut(cylinder, coordinate)), (rod.length, coordinate)
+
+
+class PushedLink(_DrivenForm, RRP):
+    """A link on a slide: the cylinder's far end is where the circle about its near end crosses a line."""
+
+    own = 1
+
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        _DyadForm.__init__(self, dyad, sign, coordinate)
+        cylinder, outer = self.joints
+        self.sides = Strut(cylinder, coordinate), Rail(outer, cylinder.far_local)
+
+    def dead_position(self) -> str:
+        """The cylinder is square to the line."""
+        return f"the cylinder square to the guide of '{self.dyad.first}'"
+
+
 def _rod(outer: Revolute, inner: Vector) -> Rod:
     """The side between an outer pin and the inner one at this point of the link."""
     arm = frames.minus(inner, outer.far_local)
@@ -516,6 +590,6 @@ def _pins_size(sides: tuple[Any, Any]) -> Scalar:
     return _size(sides[0].base, sides[1].base)
 
 
-FORMS: Final[Mapping[str, Callable[[Dyad, Scalar], Any]]] = {
-    "RRR": RRR, "RRP": RRP, "RPR": RPR, "RPP": RPP, "PRP": PRP,
+FORMS: Final[Mapping[str, Callable[[ClosedGroup, Scalar, Scalar], Any]]] = {
+    "RRR": RRR, "RRP": RRP, "RPR": RPR, "RPP": RPP, "PRP": PRP, TURNED: TurnedLink, PUSHED: PushedLink,
 }  # fmt: skip

@@ -25,7 +25,7 @@ from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.group_equations import Motions
 from analytic.kinematics.group_solver import configuration_at_sketch, follow_branch, group_problem
-from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
+from analytic.kinematics.structure import AnyGroup, ClosedGroup, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
 
 AT_REST = 1e-6  # rad from a change point
@@ -127,10 +127,7 @@ class Mechanism:
         """Raise AssemblyError where a dyad turns freely at a crank angle from ``low`` to ``high``, rad."""
         for dyad, angle, reason in self.undetermined:
             if (angle - low) % FULL_TURN <= high - low:
-                raise AssemblyError(
-                    f"'{self.linkage.name}' is undetermined at {degrees(angle)}: '{dyad.first}' and '{dyad.second}' "
-                    f"{reason}"
-                )
+                raise AssemblyError(f"'{self.linkage.name}' is undetermined at {degrees(angle)}: {dyad.words} {reason}")
 
     def check_rest(self, angle: float) -> None:
         """Raise AssemblyError where the crank is at rest on a change point, from which two motions branch off."""
@@ -140,7 +137,7 @@ class Mechanism:
                     where = degrees(round(change, 6) % round(FULL_TURN, 6))
                     raise AssemblyError(
                         f"'{self.linkage.name}' is at rest on a change point at {where}, from which "
-                        f"'{dyad.first}' and '{dyad.second}' can go on in two ways; start, turn and rest elsewhere"
+                        f"{dyad.words} can go on in two ways; start, turn and rest elsewhere"
                     )
 
 
@@ -169,7 +166,7 @@ def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence
     poses = driver_poses(structure, linkage.sketch_angle)
     done: list[AnyGroup] = []
     for group in structure.groups:
-        if isinstance(group, Dyad):
+        if isinstance(group, ClosedGroup):
             known = replace(group, sign=next(left)) if signs else None
             done.append(known or _nearest_mode(linkage, structure, group, poses))
         else:
@@ -194,15 +191,15 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
     return replace(group, branch=follow_branch(problem, start, linkage.sketch_angle))
 
 
-def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:
-    """The dyad in the assembly mode that the sketch means."""
+def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, poses: dict[str, Pose]) -> ClosedGroup:
+    """The group in the assembly mode that the sketch means."""
     if not dyad.has_two_modes:
         return dyad
     modes = [replace(dyad, sign=sign) for sign in (1, -1)]
     points = {name: structure.bodies[name].points for name in dyad.links}
     places = []
     for mode in modes:
-        solver = DyadSolver(mode)
+        solver = DyadSolver(mode, np.asarray(linkage.sketch_angle))
         places.append(named_places(points, solver.poses(poses)))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
     configuration_at_sketch, telling = nearest_to_sketch(linkage, places)
@@ -211,14 +208,15 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
     return modes[configuration_at_sketch]
 
 
-def _ambiguous_sketch(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
+def _ambiguous_sketch(linkage: Linkage, dyad: ClosedGroup, telling: Sequence[str]) -> str:
     """The error for a sketch that leaves a mode open; names the points to add, which tell the two modes apart."""
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:
         needed = "a point that tells them apart"
         cure = "name a further point on one of them, and place it in [sketch]"
+    verb = "are" if len(dyad.links) > 1 else "is"
     return (
         f"sketch of '{linkage.name}': expected {needed} at {linkage.coordinate(linkage.sketch_angle)}, got a "
-        f"sketch that leaves open how '{dyad.first}' and '{dyad.second}' are assembled; {cure}"
+        f"sketch that leaves open how {dyad.words} {verb} assembled; {cure}"
     )

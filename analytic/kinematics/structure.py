@@ -22,6 +22,9 @@ from analytic.kinematics.branch import ChangePoints, GroupBranch
 AT_A_CHANGE = 1e-7  # rad
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.
 KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
+# Kinds of links that the driving cylinder places, on a pin and on a slide.
+TURNED, PUSHED = "turned by the cylinder", "pushed by the cylinder"
+TWO_MODES = ("RRR", "RRP", "RPR", TURNED, PUSHED)
 ROMAN = {1: "I", 2: "II", 3: "III", 4: "IV", 5: "V", 6: "VI"}
 
 
@@ -76,27 +79,74 @@ GroupJoint = Joint | DrivenDistance
 
 
 @dataclass(frozen=True)
-class Dyad:
-    """An Assur group of class II.
+class ClosedGroup:
+    """A group that is solved in closed form, known by its ``first`` link.
 
-    ``first_joint`` is seen from a placed body to ``first``, ``inner_joint`` from ``second`` to ``first``,
-    ``second_joint`` from a placed body to ``second``. ``sign`` (W of the articles, +1 or -1) picks the assembly
-    mode; 0 where there is only one. With ``changes`` it is the sign at the sketch's crank angle.
+    ``sign`` (W of the articles, +1 or -1) picks the assembly mode; 0 where there is only one. With ``changes`` it is
+    the sign at the sketch's crank angle.
     """
 
     kind: str
     first: str
-    second: str
-    first_joint: Joint
-    inner_joint: Joint
-    second_joint: Joint
-    sign: int = 0
-    changes: ChangePoints | None = field(default=None, compare=False, repr=False)
+    sign: int = field(default=0, kw_only=True)
+    changes: ChangePoints | None = field(default=None, compare=False, repr=False, kw_only=True)
 
     @property
     def has_two_modes(self) -> bool:
         """Whether the closure equations of this kind are quadratic."""
-        return self.kind in ("RRR", "RRP", "RPR")
+        return self.kind in TWO_MODES
+
+    @property
+    def name(self) -> str:
+        """Links and kind, for a reader."""
+        return f"{' + '.join(self.links)} ({self.kind})"
+
+    @property
+    def words(self) -> str:
+        """Its links, quoted, for a sentence."""
+        return " and ".join(f"'{link}'" for link in self.links)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """The links that it places."""
+        raise NotImplementedError
+
+    @property
+    def joints(self) -> tuple[GroupJoint, ...]:
+        """Its joints, outer ones seen from a placed body."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class DrivenLink(ClosedGroup):
+    """A link on a placed body, by its ``outer`` joint, and at one end of the driving cylinder: the law of cosines."""
+
+    outer: Joint
+    cylinder: DrivenDistance
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """The link."""
+        return (self.first,)
+
+    @property
+    def joints(self) -> tuple[GroupJoint, ...]:
+        """The joint to the placed body and the cylinder, a rod before a slide."""
+        return (self.outer, self.cylinder) if self.kind == TURNED else (self.cylinder, self.outer)
+
+
+@dataclass(frozen=True)
+class Dyad(ClosedGroup):
+    """An Assur group of class II.
+
+    ``first_joint`` is seen from a placed body to ``first``, ``inner_joint`` from ``second`` to ``first``,
+    ``second_joint`` from a placed body to ``second``.
+    """
+
+    second: str
+    first_joint: Joint
+    inner_joint: Joint
+    second_joint: Joint
 
     @property
     def links(self) -> tuple[str, str]:
@@ -107,11 +157,6 @@ class Dyad:
     def joints(self) -> tuple[Joint, Joint, Joint]:
         """The three joints in the order of the kind's name."""
         return (self.first_joint, self.inner_joint, self.second_joint)
-
-    @property
-    def name(self) -> str:
-        """Links and kind, for a reader."""
-        return f"{self.first} + {self.second} ({self.kind})"
 
 
 @dataclass(frozen=True)
@@ -151,7 +196,7 @@ class Group:
         return f"{' + '.join(self.links)} ({self.kind})"
 
 
-AnyGroup = Dyad | Group
+AnyGroup = ClosedGroup | Group
 
 
 @dataclass(frozen=True)
@@ -166,9 +211,9 @@ class Structure:
     groups: tuple[AnyGroup, ...]
 
     @property
-    def dyads(self) -> tuple[Dyad, ...]:
-        """The groups of class II, solved in closed form."""
-        return tuple(group for group in self.groups if isinstance(group, Dyad))
+    def dyads(self) -> tuple[ClosedGroup, ...]:
+        """The groups that are solved in closed form: of class II, and a link that the cylinder drives."""
+        return tuple(group for group in self.groups if isinstance(group, ClosedGroup))
 
     @property
     def is_numerical(self) -> bool:
@@ -180,7 +225,9 @@ class Structure:
         if len(signs) != len(self.dyads):
             raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
         left = iter(signs)
-        groups = tuple(replace(g, sign=next(left), changes=None) if isinstance(g, Dyad) else g for g in self.groups)
+        groups = tuple(
+            replace(g, sign=next(left), changes=None) if isinstance(g, ClosedGroup) else g for g in self.groups
+        )
         return replace(self, groups=groups)
 
     def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -268,9 +315,9 @@ def grashof(linkage: Linkage, structure: Structure) -> str | None:
     the shortest link then decides which links turn.
     """
     pivot = structure.pivot
-    if len(structure.dyads) != 1 or structure.dyads[0].kind != "RRR" or not isinstance(pivot, Revolute):
+    dyad = structure.dyads[0] if len(structure.dyads) == 1 else None
+    if not isinstance(dyad, Dyad) or dyad.kind != "RRR" or not isinstance(pivot, Revolute):
         return None
-    dyad = structure.dyads[0]
     ends = {joint.near: joint for joint in (dyad.first_joint, dyad.second_joint) if isinstance(joint, Revolute)}
     if set(ends) != {GROUND, linkage.crank}:
         return None

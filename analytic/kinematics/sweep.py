@@ -23,7 +23,16 @@ from analytic.kinematics.dyad_solver import (
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.group_equations import point_derivative, residuals
 from analytic.kinematics.group_solver import GroupSolver
-from analytic.kinematics.structure import AnyGroup, Dyad, Joint, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import (
+    AnyGroup,
+    ClosedGroup,
+    DrivenLink,
+    Dyad,
+    Joint,
+    Prismatic,
+    Revolute,
+    Structure,
+)
 
 Array = NDArray[np.float64]
 FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
@@ -64,11 +73,11 @@ def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
 
 
 def solver_of(group: AnyGroup, angle: Array, windows: Windows | None = None) -> DyadSolver | GroupSolver:
-    """The solver of a group at values of φ: formulas for a dyad, Newton's method for a higher class.
+    """The solver of a group at values of φ: formulas where there are any, Newton's method for a higher class.
 
     Dyads of one linkage share the ``windows`` of change points at these values.
     """
-    return DyadSolver(group, angle, windows) if isinstance(group, Dyad) else GroupSolver(group, angle)
+    return DyadSolver(group, angle, windows) if isinstance(group, ClosedGroup) else GroupSolver(group, angle)
 
 
 class Sweep:
@@ -136,7 +145,7 @@ class Sweep:
             known.update(zip(group.links, solved, strict=True))
         return known[body]
 
-    def determinant(self, dyad: Dyad) -> Scalar:
+    def determinant(self, dyad: ClosedGroup) -> Scalar:
         """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position."""
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
@@ -219,22 +228,29 @@ class Sweep:
 #
 # Of two rods (RRR) it is the angle between them at their common pin (Alt). Of a rod and a slide (RRP) it is the angle
 # between the rod and the slide's normal; of a slide between two pins (RPR) the angle between the line through the pins
-# and the slide's normal; of two slides (RPP, PRP) the angle between them. It is the acute angle of the two lines, for
+# and the slide's normal; of two slides (RPP, PRP) the angle between them; a cylinder that drives a link counts as its
+# rod. It is the acute angle of the two lines, for
 # 130° push as well as 50°, so that it has a kink where they are square to each other. In each case its sine is the
 # determinant of the dyad's closure equations over the lengths in it.
 
 
-def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
+def transmission_angle(sweep: Sweep, dyad: ClosedGroup) -> Array:
     """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
     pair, other = _parallel_when_dead(sweep, dyad)
     angle = np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))  # of the two lines, acute
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
 
-def _parallel_when_dead(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:
+def _parallel_when_dead(sweep: Sweep, dyad: ClosedGroup) -> tuple[Pair, Pair]:
     """The two directions that are parallel in a dead position."""
     for link in dyad.links:
         sweep.poses(link)
+    if isinstance(dyad, DrivenLink):
+        cylinder = dyad.cylinder
+        pin = Revolute("", cylinder.far, cylinder.near, cylinder.far_local, cylinder.near_local)
+        rod = frames.minus(_pin_place(sweep, pin), sweep.local_point(cylinder.near, cylinder.near_local))
+        return _side_direction(sweep, dyad.outer, pin, rods=True), rod
+    assert isinstance(dyad, Dyad)
     first, inner, second = dyad.joints
     if isinstance(inner, Revolute):
         return _side_direction(sweep, first, inner), _side_direction(

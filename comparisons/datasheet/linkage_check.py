@@ -22,12 +22,13 @@ from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.dead_centres import bottom_dead_centre, stroke, top_dead_centre
 from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Dyad, grashof, loose_points, mobility
+from analytic.kinematics.structure import ClosedGroup, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from comparisons.datasheet.figures import NEAR, REPRODUCED, check_published, compare_published
-from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches
+from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches, inset_ends
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")
@@ -228,7 +229,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     reach = mechanism.crank_range()
     yield {"range": _range_facts(mechanism, reach)}
     yield {"transmission": _transmission_facts(mechanism, reach)}
-    if reach.is_full_turn and not reach.change_points:
+    if not (reach.is_full_turn and reach.change_points):
         yield _accuracy_facts(mechanism)
     if reach.is_full_turn:
         yield _turn_facts(mechanism)
@@ -261,9 +262,8 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
     """The facts of a linkage that can be assembled: those of its file, of its structure, and of a turn or its range."""
     reach = mechanism.crank_range()
     facts = file_facts(mechanism.linkage) | {"structure": mechanism.structure.formula}
-    if reach.is_full_turn:
-        return facts | _accuracy_facts(mechanism) | _turn_facts(mechanism)
-    return facts | {"range": _range_facts(mechanism, reach)}
+    facts |= _accuracy_facts(mechanism)
+    return facts | (_turn_facts(mechanism) if reach.is_full_turn else {"range": _range_facts(mechanism, reach)})
 
 
 def _turn_facts(mechanism: Mechanism) -> Facts:
@@ -296,10 +296,15 @@ def _turn_facts(mechanism: Mechanism) -> Facts:
 
 
 def _accuracy_facts(mechanism: Mechanism) -> Facts:
-    """How far joints are open over a full turn, m, and how far the closed form can be wrong; None beyond all bounds."""
-    bounds = (bound if np.isfinite(bound) else None for bound in mechanism.error_bound())
+    """How far joints are open, m, and how far the closed form can be wrong, None beyond all bounds.
+
+    Both over a full turn, else over the range short of its ends.
+    """
+    reach = mechanism.crank_range()
+    sweep = mechanism.turn if reach.is_full_turn else mechanism.sweep(np.linspace(*inset_ends(reach), RANGE_SAMPLES))
+    bounds = (bound if np.isfinite(bound) else None for bound in relative_bounds(sweep))
     return {
-        "closure_error": float(np.max(mechanism.turn.closure_error())),
+        "closure_error": float(np.max(sweep.closure_error())),
         "error_bound": dict(zip(("position", "first", "second"), bounds, strict=True)),
     }
 
@@ -374,7 +379,7 @@ def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
     return table
 
 
-def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], grid: Array) -> Facts:
+def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[ClosedGroup], grid: Array) -> Facts:
     """Least transmission angle, its place and the good stretch of each dyad, by its name; ``grid`` spans the range."""
 
     def angles(phi: Array) -> Array:

@@ -17,7 +17,7 @@ from analytic.description.written import file_unit
 from analytic.designs.figures import Figure
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import AnyGroup, Dyad, Revolute
+from analytic.kinematics.structure import AnyGroup, ClosedGroup
 from analytic.kinematics.sweep import Sweep, transmission_angle
 from analytic.numerics.roots import roots
 from analytic.signals import MovingSweep, signal
@@ -76,18 +76,8 @@ def _range_around(mechanism: Mechanism, phi: float) -> CrankRange:
 
 
 def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
-    """The transmission angle of a group, rad; of a link that a cylinder turns that of the cylinder, else 0."""
-    if isinstance(group, Dyad):
-        return transmission_angle(sweep, group)
-    cylinder, pins = sweep.linkage.cylinder, [joint for joint in group.joints if isinstance(joint, Revolute)]
-    if cylinder is None or len(group.links) != 1 or len(pins) != 1:
-        return np.zeros(sweep.angle.shape)
-    own = sweep.linkage.links[group.first].points
-    far, end = sorted(cylinder.points, key=lambda point: point in own)
-    corner = sweep.point(end)
-    lever, rod = sweep.point(pins[0].point) - corner, sweep.point(far) - corner
-    turned, along = np.abs(lever[0] * rod[1] - lever[1] * rod[0]), np.abs(np.sum(lever * rod, axis=0))
-    return np.asarray(np.arctan2(turned, along))
+    """The transmission angle of a group in closed form, rad; 0 of another."""
+    return transmission_angle(sweep, group) if isinstance(group, ClosedGroup) else np.zeros(sweep.angle.shape)
 
 
 def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:

@@ -78,7 +78,7 @@ def _mode_faults(simulation: Simulation) -> Iterator[Fault]:
     open_dyads = [number for number, dyad in enumerate(dyads) if dyad.has_two_modes]
     for number in open_dyads[:MOST_MODES]:
         signs = tuple(-dyad.sign if n == number else dyad.sign for n, dyad in enumerate(dyads))
-        words = f"'{dyads[number].first}' and '{dyads[number].second}' are assembled in their other mode"
+        words = f"{dyads[number].words} are assembled in their other mode"
         yield Fault(
             f"mode:{dyads[number].first}", FaultKind.SETTING,
             lambda simulation, _, signs=signs: simulation.with_modes(signs),  # type: ignore[misc]
