@@ -45,7 +45,7 @@ def weakest(origins: Iterable[Origin]) -> Origin:
 
 
 class Outcome(StrEnum):
-    """How a run ended, according to its adapter; ``comparisons.runs.run_engine.Failure`` has the other ways to fail."""
+    """How a run ended, according to its adapter; ``Failure`` of the trials' runs has the other ways to fail."""
 
     FINISHED = "finished"
     DIVERGED = "diverged"

@@ -6,7 +6,7 @@ import linkproof
 linkproof.refuse_strangers()
 
 from analytic.description.linkage import DriverKind
-from comparisons.conformance.conformance import parametrize_engine_checks
+from comparisons.trials.conformance.conformance import parametrize_engine_checks
 from engines.contract import (
     Abilities, Engine, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal, StudiedEngine,
 )  # fmt: skip

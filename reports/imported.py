@@ -11,11 +11,11 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.description.written import fixed
-from comparisons.faults.ranking import FaultFinding
-from comparisons.imported.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
-from comparisons.judging.limits import grouped
-from comparisons.judging.records import Error, Run, Verdict
-from comparisons.judging.thinning import extreme_samples
+from comparisons.filejudge.fault_ranking import FaultFinding
+from comparisons.filejudge.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
+from comparisons.motion.thinning import extreme_samples
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.records import Error, Run, Verdict
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout

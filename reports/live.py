@@ -22,9 +22,9 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.machine_code import ACCELERATION, PHI, LinkageTrace, is_traceable, javascript_source, linkage_trace
-from comparisons.datasheet.building import OVER_RANGE
-from comparisons.datasheet.open_ends import MARGIN, open_ends
-from comparisons.datasheet.sheet import Sheet
+from comparisons.designer.building import OVER_RANGE
+from comparisons.designer.open_ends import MARGIN, open_ends
+from comparisons.designer.sheet import Sheet
 from reports.document.parts import Part, Widget
 
 # A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.

@@ -15,13 +15,13 @@ import numpy as np
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.description.written import change
-from comparisons.campaign.results import Results
-from comparisons.conformance.mutants import MUTANT
-from comparisons.conformance.trial import CheckResult, Finding
-from comparisons.judging.changes import CLOSED_FORM, Change, ChangeKind
-from comparisons.judging.limits import LimitTable, grouped
-from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
-from comparisons.judging.records import CONTROL, IMPORTED, Error, Verdict
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.conformance.mutants import MUTANT
+from comparisons.trials.conformance.trial import CheckResult, Finding
+from comparisons.trials.judging.changes import CLOSED_FORM, Change, ChangeKind
+from comparisons.trials.judging.limits import LimitTable, grouped
+from comparisons.trials.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
+from comparisons.trials.judging.records import CONTROL, IMPORTED, Error, Verdict
 from engines.contract import Origin, Setting
 from reports.document.chart import Array
 from reports.document.numbers import ABSENT, bound, error

@@ -11,20 +11,20 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError
-from comparisons.campaign import results as campaign
-from comparisons.campaign.campaign import sheets as campaign_sheets
-from comparisons.campaign.results import Results
-from comparisons.datasheet.building import page_sheet
-from comparisons.datasheet.saved import load_cases
-from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.files import claim, write_text
-from comparisons.runs.run_engine import Lost
-from comparisons.runs.store import has_study
-from comparisons.runs.workers import run_jobs, usual_processes
-from comparisons.stress import campaign as stress_test
-from comparisons.stress.campaign import Stress
-from comparisons.work_precision import table as work_precision
-from comparisons.work_precision.table import Bench
+from comparisons.designer.building import page_sheet
+from comparisons.designer.sheet import Sheet
+from comparisons.trials.campaign import results as campaign
+from comparisons.trials.campaign.campaign import sheets as campaign_sheets
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.saved_linkages import load_cases
+from comparisons.trials.runs.files import claim, write_text
+from comparisons.trials.runs.run_engine import Lost
+from comparisons.trials.runs.store import has_study
+from comparisons.trials.runs.workers import run_jobs, usual_processes
+from comparisons.trials.stress import campaign as stress_test
+from comparisons.trials.stress.campaign import Stress
+from comparisons.trials.work_precision import table as work_precision
+from comparisons.trials.work_precision.table import Bench
 from reports import stress as stress_pages
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from comparisons.judging.limits import grouped
-from comparisons.judging.records import Error
-from comparisons.runs.files import STORE
-from comparisons.stress.campaign import Border, Line, Stress
-from comparisons.stress.cells import axes
-from comparisons.stress.verdict import Cell, StressVerdict
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.records import Error
+from comparisons.trials.runs.files import STORE
+from comparisons.trials.stress.campaign import Border, Line, Stress
+from comparisons.trials.stress.cells import axes
+from comparisons.trials.stress.verdict import Cell, StressVerdict
 from reports.charts.draw import drawn
 from reports.charts.scales import FULL_WIDTH, LIMIT_COLOUR
 from reports.document.numbers import ABSENT, bound, error, printed, seconds

@@ -13,8 +13,8 @@ from contextlib import chdir, closing, contextmanager, nullcontext, redirect_std
 from pathlib import Path
 from unittest.mock import patch
 
-from comparisons.runs.files import STORE, write_text
-from comparisons.runs.workers import run_jobs
+from comparisons.trials.runs.files import STORE, write_text
+from comparisons.trials.runs.workers import run_jobs
 from reports.command_line.main import main
 from reports.document.html import Picture
 

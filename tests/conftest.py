@@ -8,7 +8,7 @@ import sys
 import pytest
 from hypothesis import HealthCheck, settings
 
-from comparisons.runs.worker_process import start_server
+from comparisons.trials.runs.worker_process import start_server
 from tests.pages import browser
 
 settings.register_profile(
@@ -34,7 +34,7 @@ def pytest_collection_finish():
 @pytest.fixture(autouse=True, scope="session")
 def _workers_are_forked_with_what_they_need():
     """The server starts once, and the first test to use it would settle what every worker imports for itself."""
-    start_server(["comparisons.conformance.conformance", "engines.direct_adapter.adapter"])
+    start_server(["comparisons.trials.conformance.conformance", "engines.direct_adapter.adapter"])
 
 
 @pytest.fixture(scope="session")

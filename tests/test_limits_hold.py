@@ -7,14 +7,14 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import CampaignRequest, compare
-from comparisons.campaign.standard import JudgedCampaign
-from comparisons.case import Case
-from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
-from comparisons.invariants.checks import OF_FORCES
-from comparisons.judging.changes import CLOSED_FORM, changes, read_rows
-from comparisons.judging.limits import shipped_limits
-from comparisons.judging.quantities import all_quantities
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.campaign import CampaignRequest, compare
+from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.invariants.checks import NEEDED_CHANNELS as INVARIANTS
+from comparisons.trials.invariants.checks import OF_FORCES
+from comparisons.trials.judging.changes import CLOSED_FORM, changes, read_rows
+from comparisons.trials.judging.limits import shipped_limits
+from comparisons.trials.judging.quantities import all_quantities
 from engines.contract import Setting
 from engines.registry import own_names
 from reports.requests.options import CompareOptions

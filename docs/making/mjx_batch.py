@@ -15,7 +15,7 @@ import numpy as np
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Truth, scene
+from comparisons.motion.case import Truth, scene
 from engines.mujoco_variants.adapter import MjxEngine
 from engines.mujoco_variants.mjx_loop import build, stepped
 from engines.scene import Channel, Prescribed

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analytic.description.json_schema import json_schema
-from comparisons.judging.limits import Limit, shipped_limits
+from comparisons.trials.judging.limits import Limit, shipped_limits
 from reports.document.markdown import table
 from reports.document.numbers import bound
 from reports.document.parts import Mono, Table, Words

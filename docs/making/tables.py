@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from analytic.description.loading import catalogue, literature, load
-from comparisons.datasheet.figures import compare_published
+from comparisons.designer.figures import compare_published
 from engines.registry import engine, own_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section

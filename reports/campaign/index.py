@@ -7,9 +7,9 @@ from typing import Final
 
 from markupsafe import Markup
 
-from comparisons.campaign.results import Results
-from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.limits import grouped
+from comparisons.designer.sheet import Sheet
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.judging.limits import grouped
 from engines.contract import Setting
 from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, verdict
 from reports.charts.moving import moving_scheme

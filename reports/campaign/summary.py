@@ -10,10 +10,10 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
-from comparisons.campaign.results import Results
-from comparisons.judging.changes import Change
-from comparisons.judging.limits import deciding, grouped
-from comparisons.judging.records import Error, Run, Verdict
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.judging.changes import Change
+from comparisons.trials.judging.limits import deciding, grouped
+from comparisons.trials.judging.records import Error, Run, Verdict
 from reports.campaign.index import families_table
 from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written

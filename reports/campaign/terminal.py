@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 
-from comparisons.judging.changes import Change
-from comparisons.judging.limits import grouped
-from comparisons.judging.records import CONTROL, Error, Run, Verdict
+from comparisons.trials.judging.changes import Change
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout

@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import Final
 
 from analytic.description.linkage import ReleasedRegime
-from comparisons.campaign.results import Results
-from comparisons.judging.limits import deciding, grouped
-from comparisons.judging.records import CONTROL, Error, Run, Verdict
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.judging.limits import deciding, grouped
+from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from analytic.description.linkage import Linkage
 from analytic.description.written import fixed
-from comparisons.datasheet.sheet import Positions
+from comparisons.designer.sheet import Positions
 from reports.charts import draw
 from reports.charts.scales import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 from reports.charts.scheme import KinematicScheme, draw_paths, draw_position

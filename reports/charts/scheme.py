@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, Spring
 from analytic.description.written import file_unit
-from comparisons.datasheet.sheet import Positions, ThreadSheet
+from comparisons.designer.sheet import Positions, ThreadSheet
 from reports.charts import symbols
 from reports.charts.draw import Host, drawn, inches
 from reports.charts.scales import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER

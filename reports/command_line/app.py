@@ -71,10 +71,10 @@ def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, A
 
 def _start_workers(module: str) -> None:
     """Start the process that forks workers, which imports a module while this process imports the rest."""
-    from comparisons.runs.workers import most_processes
+    from comparisons.trials.runs.workers import most_processes
 
     if most_processes():
-        from comparisons.runs.worker_process import start_server
+        from comparisons.trials.runs.worker_process import start_server
 
         start_server([module])
 
@@ -206,7 +206,9 @@ def engines(
     Exit codes: 0; 1 a check failed, or something that is installed does not work; 2 nothing to check.
     """
     if checks or tries:
-        _start_workers("comparisons.conformance.conformance" if checks else "comparisons.campaign.campaign")
+        _start_workers(
+            "comparisons.trials.conformance.conformance" if checks else "comparisons.trials.campaign.campaign"
+        )
     from reports.command_line.commands import engines
 
     return engines.engines(names or (), destination(OutputOptions(json=json, quiet=quiet)), checks=checks, tries=tries)
@@ -246,7 +248,7 @@ def compare(
         return 0
     is_finished, (options, standard, limits) = _own_study("compare", output, options, standard, limits)
     if limits.jobs != 0 and not is_finished:
-        _start_workers("comparisons.campaign.campaign")
+        _start_workers("comparisons.trials.campaign.campaign")
     from reports.command_line.commands import compare
 
     if is_finished:
@@ -291,7 +293,7 @@ def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = N
     """
     is_finished, (options,) = _own_study("bench", output, options)
     if not is_finished:
-        _start_workers("comparisons.work_precision.measure")
+        _start_workers("comparisons.trials.work_precision.measure")
     from reports.command_line.commands import bench
 
     if is_finished:
@@ -311,7 +313,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, sch
     """
     is_finished, (options,) = _own_study("stress", output, options)
     if not is_finished:
-        _start_workers("comparisons.stress.cells")
+        _start_workers("comparisons.trials.stress.cells")
     from reports.command_line.commands import stress
 
     if is_finished:

@@ -54,7 +54,7 @@ def settings(incomplete: str) -> list[str]:
 
 def quantities(incomplete: str) -> list[str]:
     """Everything that can be compared."""
-    from comparisons.judging.quantities import QUANTITIES
+    from comparisons.trials.judging.quantities import QUANTITIES
 
     return _completions(QUANTITIES, incomplete)
 
@@ -62,7 +62,7 @@ def quantities(incomplete: str) -> list[str]:
 def parameters(incomplete: str) -> list[str]:
     """The numbers of the mechanism on the command line that designs may differ in."""
     from analytic.description.changes import SPEED
-    from comparisons.designs.parameters import parameters as known
+    from comparisons.designer.parameters import parameters as known
 
     return _completions([f"{name}=" for linkage in _linkages() for name in (*known(linkage), SPEED)], incomplete)
 
@@ -77,7 +77,7 @@ def figures(incomplete: str) -> list[str]:
 
 def axes(incomplete: str) -> list[str]:
     """The stability maps."""
-    from comparisons.stress.cells import axes as known
+    from comparisons.trials.stress.cells import axes as known
 
     return _completions(known(), incomplete)
 

@@ -21,10 +21,10 @@ import typer
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.runs.environment import INCIDENTAL, environment
-from comparisons.runs.files import check_folder, check_writable, write_bytes, write_file, write_text
-from comparisons.runs.plugins import engine
-from comparisons.runs.store import Runs, begin, has_study, to_json, unfinished_command
+from comparisons.trials.runs.environment import INCIDENTAL, environment
+from comparisons.trials.runs.files import check_folder, check_writable, write_bytes, write_file, write_text
+from comparisons.trials.runs.plugins import engine
+from comparisons.trials.runs.store import Runs, begin, has_study, to_json, unfinished_command
 from reports.command_line.parameters import option_bag
 from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout, harmless, show, write
@@ -33,8 +33,8 @@ from reports.requests.options import Option, OutputOptions, command_line, declar
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from comparisons.judging.changes import Change
-    from comparisons.judging.records import Run
+    from comparisons.trials.judging.changes import Change
+    from comparisons.trials.judging.records import Run
 
 
 # What a command writes by the suffix of a file: a text, bytes, or a function that fills the file at a path.
@@ -151,7 +151,7 @@ class Destination(OutputOptions):
 
     def warn(self, linkages: Iterable[Linkage], *sentences: str) -> None:
         """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""
-        from comparisons.datasheet.linkage_check import warnings  # noqa: PLC0415 - what completes a word needs none
+        from comparisons.designer.linkage_check import warnings  # noqa: PLC0415 - what completes a word needs none
 
         every = [*filter(None, sentences), *(text for linkage in linkages for text in warnings(linkage))]
         show(*(Paragraph(f"warning: {text}", colour="yellow") for text in dict.fromkeys(every)), stderr=True)

@@ -58,7 +58,7 @@ def _end_badly(error: Exception) -> None:
         _end_with_sentence(
             f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT
         )
-    from comparisons.runs.run_engine import Failure, lost
+    from comparisons.trials.runs.run_engine import Failure, lost
 
     fault = lost(error, 0)
     _end_with_sentence(fault.reason, SUITE_ERROR if fault.outcome is Failure.SUITE_ERROR else FAILED)

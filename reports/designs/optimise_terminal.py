@@ -13,9 +13,9 @@ from analytic.description.written import change, file_unit, finite
 from analytic.designs.derivatives import is_exact
 from analytic.errors import printable
 from analytic.signals import MAGNITUDE
-from comparisons.designs.optimisation import Optimum
-from comparisons.designs.problem import Constraint
-from comparisons.designs.searches import Search
+from comparisons.designer.optimisation import Optimum
+from comparisons.designer.problem import Constraint
+from comparisons.designer.searches import Search
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel, axis_label
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from analytic.errors import LinkproofError, UnknownNameError, printable
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.curves import TRANSMISSION
-from comparisons.datasheet.sheet import JOINT, Sheet
+from comparisons.designer.curves import TRANSMISSION
+from comparisons.designer.sheet import JOINT, Sheet
 from reports.charts import draw
 from reports.charts.draw import LINE
 from reports.charts.scales import FULL_WIDTH, PALETTE

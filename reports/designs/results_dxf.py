@@ -15,8 +15,8 @@ from analytic.description.linkage import GROUND, Linkage
 from analytic.description.written import file_unit
 from analytic.errors import printable
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import positions_at
-from comparisons.datasheet.sheet import Positions
+from comparisons.designer.building import positions_at
+from comparisons.designer.sheet import Positions
 from reports.charts import symbols
 from reports.charts.scheme import KinematicScheme
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from analytic.description.written import plain
 from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
-from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.sheet import Sheet
+from comparisons.designer.curves import TIME
+from comparisons.designer.sheet import Sheet
 from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
@@ -135,7 +135,7 @@ def json_text(sheet: Sheet) -> str:
 
     ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time,
     and whether that is an open end of the motion.
-    ``figures`` has the tables of ``comparisons.datasheet.figures``, ``required``, where
+    ``figures`` has the tables of ``comparisons.designer.figures``, ``required``, where
     the file states it, the feed required of a thread beside the actual one. What is not finite is null.
     """
     document: dict[str, Any] = {

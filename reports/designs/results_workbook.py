@@ -11,7 +11,7 @@ from openpyxl.cell import WriteOnlyCell
 
 from analytic.description.written import finite
 from analytic.errors import printable
-from comparisons.datasheet.sheet import Sheet
+from comparisons.designer.sheet import Sheet
 from reports.designs.results_terminal import columns
 
 Cell = str | float | None

@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from analytic.errors import printable
-from comparisons.designs.sweep import ONE_BY_ONE
+from comparisons.designer.sweep import ONE_BY_ONE
 from reports.charts import draw, scales
 from reports.charts.scales import FULL_WIDTH, INK, ink
 from reports.charts.scheme import BEHIND

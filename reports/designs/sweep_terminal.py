@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.description.written import csv_text, finite
-from comparisons.designs.sweep import SweepRequest, SweepStudy
+from comparisons.designer.sweep import SweepRequest, SweepStudy
 from reports.document.numbers import figure, grouped, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.description.written import csv_text, finite, plain
 from analytic.errors import printable
-from comparisons.designs.tolerances import EXACT, SEED, ToleranceStudy
+from comparisons.designer.tolerances import EXACT, SEED, ToleranceStudy
 from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table

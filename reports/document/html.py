@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from markupsafe import Markup, escape
 
-from comparisons.runs.files import write_bytes, write_text
+from comparisons.trials.runs.files import write_bytes, write_text
 from reports.document.chart import Chart
 from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import Link
-from comparisons.datasheet.sheet import JOINT, ROUNDING, Sheet
+from comparisons.designer.sheet import JOINT, ROUNDING, Sheet
 from reports.charts.scheme import scheme_figure
 from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed

@@ -11,10 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from comparisons.judging.limits import grouped
-from comparisons.judging.quantities import JOINT_FORCE
-from comparisons.judging.records import Error, Verdict
-from comparisons.judging.thinning import extreme_samples
+from comparisons.motion.thinning import extreme_samples
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.quantities import JOINT_FORCE
+from comparisons.trials.judging.records import Error, Verdict
 from reports.document import numbers
 from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget

@@ -13,8 +13,8 @@ from markupsafe import Markup
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from comparisons.campaign.results import Results
-from comparisons.datasheet.sheet import Positions, Released, Sheet, ThreadSheet
+from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
+from comparisons.trials.campaign.results import Results
 from reports.charts.moving import moving_scheme
 from reports.charts.scheme import thread_figure
 from reports.document.chart import Array, Chart, Curve, Panel

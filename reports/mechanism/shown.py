@@ -12,10 +12,10 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.description.written import FileUnit, fixed
-from comparisons.datasheet.curves import TIME, SignalFigure
-from comparisons.datasheet.figures import MEAN, PEAK_SPEED, SHAKING
-from comparisons.datasheet.linkage_check import warnings
-from comparisons.datasheet.sheet import Sheet
+from comparisons.designer.curves import TIME, SignalFigure
+from comparisons.designer.figures import MEAN, PEAK_SPEED, SHAKING
+from comparisons.designer.linkage_check import warnings
+from comparisons.designer.sheet import Sheet
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
 from reports.document.parts import PageFigure, Table

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from markupsafe import escape
 
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.results import Results
-from comparisons.campaign.standard import JudgedCampaign
-from comparisons.judging.changes import Change, write_rows
-from comparisons.judging.limits import deciding
-from comparisons.judging.records import Error, Verdict
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.judging.changes import Change, write_rows
+from comparisons.trials.judging.limits import deciding
+from comparisons.trials.judging.records import Error, Verdict
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printed, Printout, rendered
 from reports.python.keywords import with_keywords

@@ -9,12 +9,12 @@ from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
-from comparisons.conformance.trial import CheckResult
-from comparisons.datasheet.linkage_check import check as linkage_facts
-from comparisons.imported.judge import ImportedJudgement
-from comparisons.judging.records import Run, Verdict
-from comparisons.runs.plugins import engine as registered
-from comparisons.runs.run_engine import AdapterError
+from comparisons.designer.linkage_check import check as linkage_facts
+from comparisons.filejudge.judge import ImportedJudgement
+from comparisons.trials.conformance.trial import CheckResult
+from comparisons.trials.judging.records import Run, Verdict
+from comparisons.trials.runs.plugins import engine as registered
+from comparisons.trials.runs.run_engine import AdapterError
 from engines.contract import Engine
 from reports.document.terminal import Printed, Printout, rendered
 from reports.imported import printout as judgement_printout

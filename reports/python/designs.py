@@ -14,10 +14,17 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.designs.parameters import Parameter, design_file, parameter
-from comparisons.designs.sweep import DesignSpace, SweepRequest, figures_of_file, labelled_dataset, sweep_block
-from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.designs.tolerances import QUANTILES, SEED, Tolerances, ToleranceStudy, read_tolerances, tolerance_study
+from comparisons.designer.parameters import Parameter, design_file, parameter
+from comparisons.designer.sweep import DesignSpace, SweepRequest, figures_of_file, labelled_dataset, sweep_block
+from comparisons.designer.sweep import sweep as sweep_space
+from comparisons.designer.tolerances import (
+    QUANTILES,
+    SEED,
+    Tolerances,
+    ToleranceStudy,
+    read_tolerances,
+    tolerance_study,
+)
 from reports.designs.optimise_terminal import document
 from reports.python.keywords import Words, resolve_linkage, with_keywords, words
 from reports.requests.designs import build_sweep_request, build_tolerance_request, find_optimum, steady_case

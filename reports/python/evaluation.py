@@ -18,8 +18,8 @@ from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate as evaluate_signals
-from comparisons.datasheet.building import sheet
-from comparisons.datasheet.curves import TIME
+from comparisons.designer.building import sheet
+from comparisons.designer.curves import TIME
 from reports.python.keywords import Words, load_linkage, resolve_linkage, with_keywords, words
 from reports.requests.motions import requested_results
 from reports.requests.options import ResultsOptions

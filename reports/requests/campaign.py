@@ -16,21 +16,21 @@ from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, literature, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
-from comparisons.campaign.campaign import CampaignRequest, tasks
-from comparisons.campaign.campaign import compare as run_campaign
-from comparisons.campaign.results import document
-from comparisons.campaign.results import load as load_results
-from comparisons.campaign.standard import JudgedCampaign
-from comparisons.judging.changes import read_rows
-from comparisons.judging.limits import LimitTable, check_named, read_limits, shipped_limits
-from comparisons.judging.records import Error
-from comparisons.runs.cluster import DaskPool
-from comparisons.runs.files import check_writable
-from comparisons.runs.plugins import engines
-from comparisons.runs.plugins import engines as adapters
-from comparisons.runs.run_engine import GIB
-from comparisons.runs.study import Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool, most_processes
+from comparisons.trials.campaign.campaign import CampaignRequest, tasks
+from comparisons.trials.campaign.campaign import compare as run_campaign
+from comparisons.trials.campaign.results import document
+from comparisons.trials.campaign.results import load as load_results
+from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.judging.changes import read_rows
+from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
+from comparisons.trials.judging.records import Error
+from comparisons.trials.runs.cluster import DaskPool
+from comparisons.trials.runs.files import check_writable
+from comparisons.trials.runs.plugins import engines
+from comparisons.trials.runs.plugins import engines as adapters
+from comparisons.trials.runs.run_engine import GIB
+from comparisons.trials.runs.study import Task
+from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.records import CONCURRENT_RUNS

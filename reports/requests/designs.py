@@ -13,12 +13,12 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import conditions
-from comparisons.datasheet.figures import NEGLIGIBLE
-from comparisons.designs.optimisation import OptimisationRequest, Optimum, optimise
-from comparisons.designs.parameters import SAMPLES, SteadyMotion, mass_words, named_figures, steady_motion
-from comparisons.designs.sweep import MOST, DesignSpace, SweepRequest, parameter_range, read_table, usual_figures
-from comparisons.designs.tolerances import ToleranceRequest, Tolerances, tolerance_request
+from comparisons.designer.building import conditions
+from comparisons.designer.figures import NEGLIGIBLE
+from comparisons.designer.optimisation import OptimisationRequest, Optimum, optimise
+from comparisons.designer.parameters import SAMPLES, SteadyMotion, mass_words, named_figures, steady_motion
+from comparisons.designer.sweep import MOST, DesignSpace, SweepRequest, parameter_range, read_table, usual_figures
+from comparisons.designer.tolerances import ToleranceRequest, Tolerances, tolerance_request
 from reports.requests.motions import requested_case
 from reports.requests.options import OptimiseOptions, SteadyOptions, SweepOptions, ToleranceOptions
 

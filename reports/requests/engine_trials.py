@@ -15,12 +15,12 @@ from analytic import machine_code
 from analytic.description.loading import catalogue
 from analytic.errors import LinkproofError
 from analytic.machine_code import OperationList, Result
-from comparisons.campaign.campaign import compare
-from comparisons.conformance.conformance import INSTALLED, check_engine
-from comparisons.conformance.trial import CheckResult, Finding
-from comparisons.judging.records import Run
-from comparisons.runs.plugins import engines
-from comparisons.runs.run_engine import blamed_on
+from comparisons.trials.campaign.campaign import compare
+from comparisons.trials.conformance.conformance import INSTALLED, check_engine
+from comparisons.trials.conformance.trial import CheckResult, Finding
+from comparisons.trials.judging.records import Run
+from comparisons.trials.runs.plugins import engines
+from comparisons.trials.runs.run_engine import blamed_on
 from engines.contract import Engine
 from engines.registry import Unusable, engine_names, why_unavailable
 from reports.requests.campaign import request

@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Iterable
 
 from analytic.errors import LinkproofError
-from comparisons.judging.changes import Change
-from comparisons.judging.records import Error, Verdict
-from comparisons.runs.run_engine import Failure
-from comparisons.stress.verdict import Cell, StressVerdict
-from comparisons.work_precision.study import OUT_OF_TIME
-from comparisons.work_precision.table import Bench
+from comparisons.trials.judging.changes import Change
+from comparisons.trials.judging.records import Error, Verdict
+from comparisons.trials.runs.run_engine import Failure
+from comparisons.trials.stress.verdict import Cell, StressVerdict
+from comparisons.trials.work_precision.study import OUT_OF_TIME
+from comparisons.trials.work_precision.table import Bench
 from engines.contract import Outcome, Setting
 from reports.requests import FAILED, PASSED, SUITE_ERROR
 

@@ -9,11 +9,11 @@ from analytic.description.crank_motion import REGIMES, RPM, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Motion
-from comparisons.imported.columns import ImportedResults
-from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.judge import judge as judge_results
-from comparisons.imported.reading import read_results
+from comparisons.filejudge.columns import ImportedResults
+from comparisons.filejudge.judge import ImportedJudgement
+from comparisons.filejudge.judge import judge as judge_results
+from comparisons.filejudge.reading import read_results
+from comparisons.motion.case import Motion
 from reports.requests.motions import check_motion, requested_motion
 from reports.requests.options import JudgeOptions
 

@@ -35,10 +35,10 @@ from analytic.description.units import factor
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case, Motion, case_of_file_regime
-from comparisons.datasheet.building import STEADY, range_motion
-from comparisons.datasheet.curves import Instants
-from comparisons.datasheet.open_ends import inset_ends
+from comparisons.designer.building import STEADY, range_motion
+from comparisons.designer.curves import Instants
+from comparisons.designer.open_ends import inset_ends
+from comparisons.motion.case import Case, Motion, case_of_file_regime
 from reports.requests.options import TIMED, MotionOptions, ResultsOptions
 
 EVERYTHING = "all"

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from comparisons.judging.limits import grouped
-from comparisons.runs.files import STORE
-from comparisons.work_precision.fronts import (
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.runs.files import STORE
+from comparisons.trials.work_precision.fronts import (
     LARGE_OVERHEAD,
     PLACE,
     WANTED,
@@ -32,7 +32,7 @@ from comparisons.work_precision.fronts import (
     standings,
     sweeps,
 )
-from comparisons.work_precision.table import METHOD, SETTING, Bench
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench
 from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (

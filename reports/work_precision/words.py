@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from comparisons.judging.limits import grouped
-from comparisons.work_precision.fronts import (
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.work_precision.fronts import (
     SATURATED,
     WANTED,
     Regimes,
@@ -23,7 +23,7 @@ from comparisons.work_precision.fronts import (
     standings,
     sweeps,
 )
-from comparisons.work_precision.table import Bench
+from comparisons.trials.work_precision.table import Bench
 from engines.contract import Setting
 from reports.document.numbers import ABSENT, bound, error, figure, seconds
 from reports.document.parts import Paragraph, Table

@@ -16,8 +16,8 @@ from analytic.description import units
 from analytic.description.law import Law
 from analytic.dynamics import reduced
 from analytic.kinematics import dead_centres
-from comparisons.case import Case
-from comparisons.judging import quantities
+from comparisons.motion.case import Case
+from comparisons.trials.judging import quantities
 from engines.scene import Channel
 from engines.stepping.stepped_engine import plain_law
 from tests.analytic.linkages import file_text, from_text

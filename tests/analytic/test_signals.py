@@ -15,7 +15,7 @@ from analytic.dynamics.joint_forces import shaking
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate, names, signal, unit
-from comparisons.case import Case
+from comparisons.motion.case import Case
 from tests.analytic.linkages import EVERY, IN_LINE, angles, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.analytic.tolerances import FIFTY_DIGITS, SAME_FIGURES

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from comparisons.judging.records import NAMES, Error
-from comparisons.work_precision.table import METHOD, SETTING, Bench, BenchRun
+from comparisons.trials.judging.records import NAMES, Error
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun
 
 
 def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):

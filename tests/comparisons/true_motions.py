@@ -6,9 +6,9 @@ import numpy as np
 
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
-from comparisons.case import Case
-from comparisons.observed_motion import ObservedMotion
-from comparisons.stress.verdict import Cell, judged
+from comparisons.motion.case import Case
+from comparisons.trials.observed_motion import ObservedMotion
+from comparisons.trials.stress.verdict import Cell, judged
 from engines.contract import History, Outcome, Run, Signal
 from engines.mujoco_adapter import MujocoEngine
 from engines.scene import Channel, Free

@@ -10,7 +10,7 @@ import numpy as np
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, read
 from tests.analytic.swinging import DOUBLE_ROCKER
-from tests.comparisons.imported.layouts import Channel, exported, solidworks, with_link
+from tests.comparisons.filejudge.layouts import Channel, exported, solidworks, with_link
 
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 TITLES = (("Motor Torque12", "newton-millimeter", 1e3, "Mkr"), ("Angular Displacement1", "deg", 180.0 / np.pi, "phi"),

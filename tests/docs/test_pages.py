@@ -9,7 +9,7 @@ import pytest
 
 import linkproof
 from analytic.description.json_schema import json_schema
-from comparisons.judging.limits import shipped_limits
+from comparisons.trials.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
 from docs.making.tables import renewed
 from tests.pages.browser import PATIENCE, started

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.conformance.conformance import CHECKS
-from comparisons.conformance.mutants import MUTANT
-from comparisons.conformance.trial import EngineTrial, NotTestedError
-from tests.comparisons.conformance.wrong_engines import WRONG
+from comparisons.trials.conformance.conformance import CHECKS
+from comparisons.trials.conformance.mutants import MUTANT
+from comparisons.trials.conformance.trial import EngineTrial, NotTestedError
 from tests.comparisons.faults import announce
+from tests.comparisons.trials.conformance.wrong_engines import WRONG
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "your-first-engine.md").read_text(encoding="utf-8")

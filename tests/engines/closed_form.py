@@ -10,8 +10,8 @@ import pytest
 from analytic.description.crank_motion import CrankMotion
 from analytic.dynamics.released import free_motion
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Truth, scene
-from comparisons.judging.quantities import near_jumps
+from comparisons.motion.case import Truth, scene
+from comparisons.trials.judging.quantities import near_jumps
 from engines.contract import Engine, History, Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel, Free, Prescribed, Scene

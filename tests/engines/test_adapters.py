@@ -13,7 +13,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from analytic.errors import LinkproofError
-from comparisons.case import Truth, scene
+from comparisons.motion.case import Truth, scene
 from engines.contract import Outcome, Setting
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.stepping.richardson import named_signals

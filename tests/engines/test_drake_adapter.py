@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.case import Truth, scene
+from comparisons.motion.case import Truth, scene
 from engines.contract import Origin, Outcome, Setting
 from engines.drake_adapter import DrakeEngine
 from engines.scene import Channel, PinJoint, Prescribed

@@ -15,9 +15,9 @@ import tomlkit
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case, case_of_file_regime, scene
-from comparisons.conformance.trial import case as sample_case
-from comparisons.exported_run import exported
+from comparisons.motion.case import Case, case_of_file_regime, scene
+from comparisons.trials.conformance.trial import case as sample_case
+from comparisons.trials.exported_run import exported
 from engines.contract import Outcome, Setting
 from engines.exported_script import script, written
 from engines.mujoco_adapter import EXPERT, MujocoEngine
@@ -116,7 +116,7 @@ def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, settin
 @pytest.mark.nightly
 def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
     pytest.importorskip("pyondsel")
-    at_change_point = Mechanism(load("comparisons/stress/linkages/parallel-cranks.toml"))
+    at_change_point = Mechanism(load("comparisons/trials/stress/linkages/parallel-cranks.toml"))
     motion = crank_motion("run-up-quintic", ramp_time=0.24, hold_time=0.06, start_angle=0.5 * np.pi)
     text = exported(Case(at_change_point, motion), "ondsel", Setting.TUNED, "linkproof compare")
     (tmp_path / "case.py").write_text(text, encoding="utf-8")

@@ -13,8 +13,8 @@ from analytic.description.crank_motion import swing
 from analytic.description.law import TimeLaw
 from analytic.dynamics.released import free_motion
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import judged
-from comparisons.case import Case, channel_truth
+from comparisons.motion.case import Case, channel_truth
+from comparisons.trials.campaign.campaign import judged
 from engines.contract import Outcome, Setting
 from engines.mechanics.states import driven as travelled
 from engines.mechanics.states import with_ground

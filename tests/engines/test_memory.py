@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.case import scene
-from comparisons.runs.workers import run_jobs
+from comparisons.motion.case import scene
+from comparisons.trials.runs.workers import run_jobs
 from engines.registry import engine, own_names
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism

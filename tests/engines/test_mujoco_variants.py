@@ -5,8 +5,8 @@ from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from comparisons.conformance.trial import case, scene_of
-from comparisons.judging.limits import limit
+from comparisons.trials.conformance.trial import case, scene_of
+from comparisons.trials.judging.limits import limit
 from engines.contract import Origin, Outcome, Setting
 from engines.registry import engine
 from engines.scene import Prescribed

@@ -17,10 +17,10 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import Case
-from comparisons.runs.run_engine import Lost, run_engine
-from comparisons.runs.workers import Bounds, run_jobs
-from comparisons.stress.verdict import Cell, StressVerdict, judged
+from comparisons.motion.case import Case
+from comparisons.trials.runs.run_engine import Lost, run_engine
+from comparisons.trials.runs.workers import Bounds, run_jobs
+from comparisons.trials.stress.verdict import Cell, StressVerdict, judged
 from engines.contract import Setting
 from engines.registry import engine
 from engines.scene import Channel

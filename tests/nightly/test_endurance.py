@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from comparisons.runs.files import STORE
-from comparisons.runs.store import UNFINISHED
+from comparisons.trials.runs.files import STORE
+from comparisons.trials.runs.store import UNFINISHED
 from tests.commands import COMMAND, ROOT, stored_runs
 from tests.comparisons.faults import wait_for
 

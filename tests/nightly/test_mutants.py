@@ -9,17 +9,17 @@ import pytest
 
 from analytic.description.crank_motion import Segment
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.conformance.misreadings import misread
-from comparisons.conformance.mutants import Mutant, extrapolated, in_world
-from comparisons.conformance.trial import AT_SPEED, PLAIN, EngineTrial, NotTestedError, case, scene_of
-from comparisons.faults.fault import ChangedMotion, Simulation
-from comparisons.faults.ranking import model_faults
-from comparisons.faults.settings import motion_settings
-from comparisons.judging.signal_errors import LEVELS, readings
+from comparisons.filejudge.fault import ChangedMotion, Simulation
+from comparisons.filejudge.fault_ranking import model_faults
+from comparisons.filejudge.setting_faults import motion_settings
+from comparisons.trials.conformance.misreadings import misread
+from comparisons.trials.conformance.mutants import Mutant, extrapolated, in_world
+from comparisons.trials.conformance.trial import AT_SPEED, PLAIN, EngineTrial, NotTestedError, case, scene_of
+from comparisons.trials.judging.signal_errors import LEVELS, readings
 from engines.contract import Setting
 from engines.registry import own_names
 from engines.scene import Channel
-from tests.comparisons.conformance.wrong_engines import AlterableEngine
+from tests.comparisons.trials.conformance.wrong_engines import AlterableEngine
 from tests.engines.closed_form import installed
 
 FEWEST = 60  # mutants of an engine that are seen, whatever it can do

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from analytic.description.loading import load, parse, read
-from comparisons.campaign.results import save
-from comparisons.stress.campaign import save as save_stress
-from comparisons.work_precision.table import save as save_bench
+from comparisons.trials.campaign.results import save
+from comparisons.trials.stress.campaign import save as save_stress
+from comparisons.trials.work_precision.table import save as save_bench
 from reports.document.html import _PageFiles
 from reports.site import write_site
 from tests.commands import empty_picture

@@ -21,7 +21,7 @@ from typing import Any
 
 from analytic.description.changes import design_numbers
 from analytic.description.loading import catalogue, load
-from comparisons.datasheet.figures import compare_published
+from comparisons.designer.figures import compare_published
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -12,13 +12,13 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import Results, document
-from comparisons.case import Case
-from comparisons.invariants.checks import NEEDED_CHANNELS as INVARIANTS
-from comparisons.judging.limits import judge
-from comparisons.judging.quantities import QUANTITIES, Deviation, near_jumps
-from comparisons.judging.records import Error, Run, Verdict, run_of
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.campaign import CampaignRequest
+from comparisons.trials.campaign.results import Results, document
+from comparisons.trials.invariants.checks import NEEDED_CHANNELS as INVARIANTS
+from comparisons.trials.judging.limits import judge
+from comparisons.trials.judging.quantities import QUANTITIES, Deviation, near_jumps
+from comparisons.trials.judging.records import Error, Run, Verdict, run_of
 from engines.contract import ReadOut, Setting
 
 ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")

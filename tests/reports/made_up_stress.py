@@ -1,8 +1,8 @@
 """A finished stress test of engines that do not exist, with every verdict in it, for tests of its page and tables."""
 
-from comparisons.stress.campaign import Stress
-from comparisons.stress.cells import axes
-from comparisons.stress.verdict import StressVerdict
+from comparisons.trials.stress.campaign import Stress
+from comparisons.trials.stress.cells import axes
+from comparisons.trials.stress.verdict import StressVerdict
 from tests.comparisons.true_motions import cell
 
 SETTINGS = ("naive", "tuned", "best")

@@ -7,16 +7,16 @@ from contextlib import closing
 from dataclasses import replace
 
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.campaign import CampaignRequest, cases
-from comparisons.case import Case
-from comparisons.judging.quantities import QUANTITIES as COMPARED
-from comparisons.judging.quantities import check_defined
-from comparisons.runs.cluster import DaskPool
-from comparisons.runs.workers import LastingPool
-from comparisons.work_precision.measure import JOINTS, chosen_families
-from comparisons.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
-from comparisons.work_precision.study import bench as measure_all
-from comparisons.work_precision.table import KIND, load, save
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.campaign import CampaignRequest, cases
+from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
+from comparisons.trials.judging.quantities import check_defined
+from comparisons.trials.runs.cluster import DaskPool
+from comparisons.trials.runs.workers import LastingPool
+from comparisons.trials.work_precision.measure import JOINTS, chosen_families
+from comparisons.trials.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
+from comparisons.trials.work_precision.study import bench as measure_all
+from comparisons.trials.work_precision.table import KIND, load, save
 from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import missing_engines, request
 from reports.requests.exit_codes import bench_exit_code

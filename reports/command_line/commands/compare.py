@@ -6,9 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from comparisons.campaign.results import COMPARE, load, save, with_runs, write_curves
-from comparisons.judging.changes import write_rows
-from comparisons.runs.store import to_json
+from comparisons.trials.campaign.results import COMPARE, load, save, with_runs, write_curves
+from comparisons.trials.judging.changes import write_rows
+from comparisons.trials.runs.store import to_json
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, Writers, finished_runs, report_interruption
 from reports.requests.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record, missing_engines

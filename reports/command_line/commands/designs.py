@@ -13,12 +13,12 @@ import numpy as np
 from analytic.description.changes import SPEED
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.designs.optimisation import Optimum
-from comparisons.designs.parameters import design_file, speed_unit
-from comparisons.designs.sweep import SweepStudy, reason_not_assembled
-from comparisons.designs.sweep import sweep as sweep_space
-from comparisons.designs.tolerances import ToleranceStudy, read_tolerances, tolerance_study
-from comparisons.runs.store import to_json
+from comparisons.designer.optimisation import Optimum
+from comparisons.designer.parameters import design_file, speed_unit
+from comparisons.designer.sweep import SweepStudy, reason_not_assembled
+from comparisons.designer.sweep import sweep as sweep_space
+from comparisons.designer.tolerances import ToleranceStudy, read_tolerances, tolerance_study
+from comparisons.trials.runs.store import to_json
 from reports.command_line.destination import Content, Destination, Writers, picture_writers
 from reports.designs import optimise_terminal, sweep_terminal, tolerance_terminal
 from reports.requests.designs import build_tolerance_request, find_optimum, sweep_request

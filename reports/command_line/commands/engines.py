@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import cases
-from comparisons.conformance.trial import Finding
-from comparisons.exported_run import exported
-from comparisons.runs.environment import environment
-from comparisons.runs.files import check_writable, write_text
-from comparisons.runs.plugins import engine
-from comparisons.runs.plugins import engines as registered
+from comparisons.trials.campaign.campaign import cases
+from comparisons.trials.conformance.trial import Finding
+from comparisons.trials.exported_run import exported
+from comparisons.trials.runs.environment import environment
+from comparisons.trials.runs.files import check_writable, write_text
+from comparisons.trials.runs.plugins import engine
+from comparisons.trials.runs.plugins import engines as registered
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
 from reports.command_line.destination import Destination

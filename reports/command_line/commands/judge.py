@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest
-from comparisons.campaign.results import document as saved_document
-from comparisons.campaign.results import save
-from comparisons.imported.columns import MappingNeededError
-from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.reading import with_proposals
-from comparisons.judging.records import Verdict
-from comparisons.runs.store import to_json
+from comparisons.filejudge.columns import MappingNeededError
+from comparisons.filejudge.judge import ImportedJudgement
+from comparisons.filejudge.reading import with_proposals
+from comparisons.trials.campaign.campaign import CampaignRequest
+from comparisons.trials.campaign.results import document as saved_document
+from comparisons.trials.campaign.results import save
+from comparisons.trials.judging.records import Verdict
+from comparisons.trials.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.imported import (
     document,

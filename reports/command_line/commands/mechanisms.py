@@ -19,14 +19,14 @@ from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, is_safe
 from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet import linkage_check
-from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import NEGLIGIBLE, case_figures
-from comparisons.datasheet.linkage_check import check_slips
-from comparisons.datasheet.open_ends import BINDS
-from comparisons.designs.parameters import named_figures, parameters, speed_unit
-from comparisons.runs.files import check_writable, write_text
-from comparisons.runs.store import to_json
+from comparisons.designer import linkage_check
+from comparisons.designer.curves import Curves
+from comparisons.designer.figures import NEGLIGIBLE, case_figures
+from comparisons.designer.linkage_check import check_slips
+from comparisons.designer.open_ends import BINDS
+from comparisons.designer.parameters import named_figures, parameters, speed_unit
+from comparisons.trials.runs.files import check_writable, write_text
+from comparisons.trials.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
@@ -117,14 +117,14 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
 
 
 def _scheme(linkage: Linkage) -> Figure:
-    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
+    from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
     from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
     return scheme_figure(linkage, positions_over_range(Mechanism(linkage)))
 
 
 def _dxf(linkage: Linkage) -> str:
-    from comparisons.datasheet.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
+    from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
     from reports.designs.results_dxf import dxf  # noqa: PLC0415
 
     return dxf(linkage, positions_over_range(Mechanism(linkage)))

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.case import Case
-from comparisons.datasheet.building import page_sheet, sheet
-from comparisons.datasheet.linkage_check import check_slips
-from comparisons.datasheet.saved import save_case
-from comparisons.datasheet.sheet import Sheet
-from comparisons.runs.files import claim
+from comparisons.designer.building import page_sheet, sheet
+from comparisons.designer.linkage_check import check_slips
+from comparisons.designer.sheet import Sheet
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.saved_linkages import save_case
+from comparisons.trials.runs.files import claim
 from reports.command_line.destination import PICTURES, Destination, Writers, picture_writers, write_to_stdout
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import show

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from contextlib import closing
 
 from analytic.errors import LinkproofError
-from comparisons.stress.campaign import KIND, load, make_cells, save, stress
-from comparisons.stress.cells import cells, chosen_axes, find_cell
+from comparisons.trials.stress.campaign import KIND, load, make_cells, save, stress
+from comparisons.trials.stress.cells import cells, chosen_axes, find_cell
 from reports.command_line.destination import Destination, finished_runs, report_interruption
 from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.requests.exit_codes import stress_exit_code

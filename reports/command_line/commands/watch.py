@@ -20,8 +20,8 @@ from typing import Final
 from analytic.description import loading
 from analytic.errors import LinkproofError
 from analytic.files import read_file
-from comparisons.datasheet.building import page_sheet
-from comparisons.runs.files import write_bytes
+from comparisons.designer.building import page_sheet
+from comparisons.trials.runs.files import write_bytes
 from reports.document import html
 from reports.document.parts import Page, Paragraph, Widget
 from reports.document.terminal import show

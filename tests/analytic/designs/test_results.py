@@ -16,8 +16,8 @@ from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MovingSweep
-from comparisons.case import Case
-from comparisons.datasheet.curves import Curves
+from comparisons.designer.curves import Curves
+from comparisons.motion.case import Case
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied
 from tests.analytic.linkages import FOLDER, MADE_UP, driven, from_text, mechanism
 from tests.analytic.loaded_linkages import ALL, on_trial

@@ -12,10 +12,10 @@ from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from analytic.dynamics.released import free_motion
-from comparisons.case import scene
-from comparisons.invariants.checks import joint_gaps
-from comparisons.invariants.inspection import Inspection
-from comparisons.observed_motion import ObservedMotion
+from comparisons.motion.case import scene
+from comparisons.trials.invariants.checks import joint_gaps
+from comparisons.trials.invariants.inspection import Inspection
+from comparisons.trials.observed_motion import ObservedMotion
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint

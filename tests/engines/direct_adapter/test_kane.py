@@ -5,7 +5,7 @@ import pytest
 import sympy
 from sympy.physics.mechanics import KanesMethod, Point, ReferenceFrame, RigidBody, dynamicsymbols, inertia
 
-from comparisons.conformance.trial import case
+from comparisons.trials.conformance.trial import case
 from engines.contract import Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel

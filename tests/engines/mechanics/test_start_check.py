@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.case import scene
+from comparisons.motion.case import scene
 from engines.contract import Abilities
 from engines.mechanics.start_check import ability_obstacle, data_obstacle, misfits, start_misfit
 from engines.mechanics.states import start_motion

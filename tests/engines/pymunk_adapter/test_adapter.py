@@ -9,7 +9,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
 from analytic.description.units import Kind
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.case import scene
+from comparisons.motion.case import scene
 from engines.contract import Setting
 from engines.mechanics.states import pose_of, with_ground
 from engines.pymunk_adapter import adapter

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.case import scene
+from comparisons.motion.case import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel, Prescribed

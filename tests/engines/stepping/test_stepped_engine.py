@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from analytic.description.crank_motion import crank_motion
 from analytic.description.law import FULL_TURN, Law
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.case import scene
+from comparisons.motion.case import scene
 from engines.contract import Abilities, History, Origin, Outcome, ReadOut, Setting, Signal
 from engines.scene import Channel, Free, Prescribed, SliderJoint
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping

@@ -19,9 +19,9 @@ from analytic.description.changes import named_numbers
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.imported.judge import judge
-from comparisons.imported.reading import read_results
-from comparisons.judging.records import Verdict
+from comparisons.filejudge.judge import judge
+from comparisons.filejudge.reading import read_results
+from comparisons.trials.judging.records import Verdict
 from tests.nightly.judging.exports import ENDINGS, case
 
 KINDS = {"clean": 0, "fault": 1}

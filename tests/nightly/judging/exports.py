@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.comparisons.imported.layouts import (
+from tests.comparisons.filejudge.layouts import (
     Channel,
     adams_results,
     adams_table,
@@ -25,7 +25,7 @@ from tests.nightly.judging.planting import Plan, pick, planted, unit_kind
 from tests.nightly.judging.turning import DEGREE, RPM, Turning
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
-CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/imported/foreign"
+CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/filejudge/foreign"
 LINKAGES = (
     *(CATALOGUE / f"{name}.toml" for name in (
         "juki-mf7923d", "rimoldi-164", "slotted-takeup", "two-crank-takeup", "fork-takeup",

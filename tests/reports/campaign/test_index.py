@@ -3,9 +3,9 @@
 import pytest
 
 from analytic.description.loading import load
-from comparisons.campaign.results import Results
-from comparisons.datasheet.building import usual_sheet
-from comparisons.judging.records import Verdict
+from comparisons.designer.building import usual_sheet
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.judging.records import Verdict
 from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, PageLink, Paragraph

@@ -5,12 +5,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from comparisons.judging.changes import Change, ChangeKind
-from comparisons.judging.records import Run
+from comparisons.trials.judging.changes import Change, ChangeKind
+from comparisons.trials.judging.records import Run
 from reports.campaign.summary import junit
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
-from tests.comparisons.judging.test_judging import RECORD
+from tests.comparisons.trials.judging.test_judging import RECORD
 
 
 def _text(printout):

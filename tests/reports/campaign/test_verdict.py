@@ -2,8 +2,8 @@
 
 import pytest
 
-from comparisons.campaign.results import Results
-from comparisons.judging.records import CONTROL, Verdict
+from comparisons.trials.campaign.results import Results
+from comparisons.trials.judging.records import CONTROL, Verdict
 from reports.campaign.verdict import EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
 

@@ -10,7 +10,7 @@ import pytest
 
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import positions_over_range
+from comparisons.designer.building import positions_over_range
 from reports.charts.moving import moving_scheme
 from reports.charts.scheme import KinematicScheme, scheme_figure
 

@@ -9,8 +9,8 @@ import typer
 
 from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.errors import LinkproofError
-from comparisons.judging.quantities import QUANTITIES
-from comparisons.stress.cells import axes
+from comparisons.trials.judging.quantities import QUANTITIES
+from comparisons.trials.stress.cells import axes
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line import app as main_app

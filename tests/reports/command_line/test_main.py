@@ -15,9 +15,9 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from analytic.description.loading import read
-from comparisons.campaign.results import load
-from comparisons.runs.files import STORE
-from comparisons.runs.store import begin
+from comparisons.trials.campaign.results import load
+from comparisons.trials.runs.files import STORE
+from comparisons.trials.runs.store import begin
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.command_line.app import app
 from reports.command_line.destination import finished_runs, own_study

@@ -6,9 +6,9 @@ from functools import cache
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
 from analytic.description.loading import load
-from comparisons.case import Case
-from comparisons.datasheet.building import page_sheet, sheet, usual_sheet
-from comparisons.datasheet.curves import Curves
+from comparisons.designer.building import page_sheet, sheet, usual_sheet
+from comparisons.designer.curves import Curves
+from comparisons.motion.case import Case
 from tests.analytic.linkages import from_text
 
 SPEED = 1000.0 * RPM

@@ -8,9 +8,9 @@ import xarray
 from matplotlib.patches import Rectangle
 
 from analytic.description.crank_motion import RPM
-from comparisons.designs.parameters import steady_motion
-from comparisons.designs.sweep import sweep
-from comparisons.designs.tolerances import Tolerances, tolerance_request, tolerance_study
+from comparisons.designer.parameters import steady_motion
+from comparisons.designer.sweep import sweep
+from comparisons.designer.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
 from reports.charts.scales import INK, LIMIT_COLOUR, MUTED, PALETTE
 from reports.designs import tolerance_terminal
@@ -19,7 +19,7 @@ from reports.designs.sweep_terminal import sentence
 from reports.designs.tolerance_terminal import NONE, TIED, WIDE, printout, tornado_chart
 from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
-from tests.comparisons.designs.sweeps import grid, request
+from tests.comparisons.designer.sweeps import grid, request
 from tests.reports.drawn_words import check_words, texts
 
 FIGURES = {

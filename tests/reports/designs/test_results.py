@@ -14,8 +14,8 @@ from ezdxf.lldxf.validator import is_valid_layer_name
 
 from analytic.description.crank_motion import swing
 from analytic.errors import LinkproofError
-from comparisons.datasheet.curves import Instants
-from comparisons.imported.reading import read_results
+from comparisons.designer.curves import Instants
+from comparisons.filejudge.reading import read_results
 from reports.charts.draw import picture
 from reports.designs.results_drawing import results_figure
 from reports.designs.results_dxf import dxf

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from comparisons.judging.records import Verdict
-from comparisons.judging.thinning import EXTREMES, WORST
+from comparisons.motion.thinning import EXTREMES, WORST
+from comparisons.trials.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
 from reports.document.parts import Table, TableCell, Widget

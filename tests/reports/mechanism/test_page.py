@@ -9,9 +9,9 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import catalogue, load, parse
-from comparisons.case import Case
-from comparisons.datasheet.building import page_sheet, usual_sheet
-from comparisons.datasheet.curves import SignalFigure
+from comparisons.designer.building import page_sheet, usual_sheet
+from comparisons.designer.curves import SignalFigure
+from comparisons.motion.case import Case
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
 from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words

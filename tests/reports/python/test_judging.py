@@ -10,8 +10,8 @@ from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import find, read
-from comparisons.campaign.standard import JudgedCampaign
-from comparisons.conformance import conformance
+from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.conformance import conformance
 from engines.registry import Unusable
 from tests.commands import linkproof as command
 

@@ -9,8 +9,8 @@ import pytest
 
 from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.campaign import cases
-from comparisons.judging.limits import read_limits
+from comparisons.trials.campaign.campaign import cases
+from comparisons.trials.judging.limits import read_limits
 from reports.requests.campaign import campaign, files, request, run_resources
 from reports.requests.options import CompareOptions, RunLimits, StandardOptions, command_line
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.judging.changes import Change, ChangeKind
-from comparisons.judging.records import Error
-from comparisons.stress.cells import find_cell
-from comparisons.stress.verdict import StressVerdict
+from comparisons.trials.judging.changes import Change, ChangeKind
+from comparisons.trials.judging.records import Error
+from comparisons.trials.stress.cells import find_cell
+from comparisons.trials.stress.verdict import StressVerdict
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.comparisons.bench_rows import bench_of, row
 

@@ -10,7 +10,7 @@ import linkproof as package
 from analytic.description.crank_motion import LAWS, REGIMES, RPM
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.datasheet.open_ends import MARGIN
+from comparisons.designer.open_ends import MARGIN
 from reports.requests.campaign import request
 from reports.requests.motions import requested_motions
 from reports.requests.options import CompareOptions, MotionOptions, changed_options

@@ -10,15 +10,15 @@ import pytest
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.results import save
-from comparisons.datasheet.building import usual_case
-from comparisons.datasheet.saved import RESULTS, save_case
-from comparisons.runs.files import STORE, write_text
-from comparisons.runs.workers import run_jobs
-from comparisons.stress.campaign import KIND as STRESS
-from comparisons.stress.campaign import save as save_stress
-from comparisons.work_precision.table import KIND as BENCH
-from comparisons.work_precision.table import save as save_bench
+from comparisons.designer.building import usual_case
+from comparisons.trials.campaign.results import save
+from comparisons.trials.campaign.saved_linkages import RESULTS, save_case
+from comparisons.trials.runs.files import STORE, write_text
+from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.stress.campaign import KIND as STRESS
+from comparisons.trials.stress.campaign import save as save_stress
+from comparisons.trials.work_precision.table import KIND as BENCH
+from comparisons.trials.work_precision.table import save as save_bench
 from engines.contract import Setting
 from reports.site import write_site
 from tests.commands import refused

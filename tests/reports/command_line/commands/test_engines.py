@@ -11,15 +11,15 @@ import pytest
 
 from analytic import machine_code
 from analytic.errors import LinkproofError
-from comparisons.conformance import conformance
-from comparisons.judging.records import Run, Verdict
+from comparisons.trials.conformance import conformance
+from comparisons.trials.judging.records import Run, Verdict
 from engines.registry import own_names
 from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
 from reports.requests import engine_trials
 from reports.requests.options import CompareOptions
 from tests.commands import linkproof, refused
-from tests.comparisons.conformance.wrong_engines import Direct, PrintingEngine
+from tests.comparisons.trials.conformance.wrong_engines import Direct, PrintingEngine
 from tests.test_economy import EXTRAS
 
 

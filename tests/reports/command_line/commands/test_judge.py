@@ -7,10 +7,10 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
-from comparisons.faults.fault import Simulation
+from comparisons.filejudge.fault import Simulation
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof, refused
-from tests.comparisons.imported.layouts import Channel, csv, samples
+from tests.comparisons.filejudge.layouts import Channel, csv, samples
 
 JUKI = load("juki-mf7923d")
 NAMES = {"Mkr": "N*m", "S": "m", "v": "m/s"}

@@ -11,12 +11,12 @@ import pytest
 
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign import results
-from comparisons.runs.files import STORE
-from comparisons.runs.store import unfinished_command
-from comparisons.stress import campaign
-from comparisons.work_precision.study import Extent
-from comparisons.work_precision.table import load
+from comparisons.trials.campaign import results
+from comparisons.trials.runs.files import STORE
+from comparisons.trials.runs.store import unfinished_command
+from comparisons.trials.stress import campaign
+from comparisons.trials.work_precision.study import Extent
+from comparisons.trials.work_precision.table import load
 from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands import stress as stress_command
 from reports.command_line.commands.bench import bench

@@ -1,0 +1,455 @@
+"""The figures a designer chooses motor, bearings and lengths by, a row for each number, from curves of a case; SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import LARGEST, REGIMES, RPM, crank_motion
+from analytic.description.diagnosis import Source
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage, ThreadPath
+from analytic.description.loading import load
+from analytic.description.schema import Published
+from analytic.description.units import conversion
+from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named, part_figure
+from analytic.dynamics import reduced
+from analytic.dynamics.reduced import equilibria
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.dead_centres import bottom_dead_centre, top_dead_centre
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Revolute
+from analytic.numerics.refine import extremes
+from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, feed, moving_points, signal, table, unit
+from comparisons.designer.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
+from comparisons.motion.case import Case, case_of_file_regime
+
+Array = NDArray[np.float64]
+
+SHAKING: Final = "shaking force"
+SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
+NEGLIGIBLE: Final = 1e-12  # share of the largest value of a kind below which a value is zero but for rounding
+NEGLIGIBLE_MEAN: Final = 1e-9  # of its signal's peak: the integral of a mean is this near to the truth
+FEWEST: Final = 4  # instants of the grid at that speed that make it more than a moment
+PEAK_SPEED: Final = "peak speed"
+PEAK_TORQUE: Final = ("peak torque", "peak force")  # of a drive along a line
+BRAKING: Final = "peak braking power"
+MEAN: Final = "signed mean"
+DRIVE: Final[Mapping[str, Measure]] = {
+    "peak torque": lambda at: np.abs(at.torque),
+    "peak power": lambda at: at.torque * at.speed,
+    BRAKING: lambda at: -at.torque * at.speed,
+}
+TABLES: Final = ("drive", "forces", "moment", "transmission", "output", "thread")
+LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
+
+
+Peaks = Mapping[str, SignalFigure]  # of every signal
+
+REPRODUCED: Final = "reproduced"
+NEAR: Final = "within 6 %"
+# The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
+CLAIMED_ACCURACY: Final = 0.06
+MARGIN: Final = math.radians(10.0)  # that a crank turns before a printed angle
+TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
+
+
+def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
+    """The key figures of curves, table by table."""
+    groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
+    pivot = curves.case.mechanism.structure.pivot
+    moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
+    rows = (
+        drive_figures(curves, peaks),
+        force_figures(curves, peaks),
+        _named_peaks(peaks, moment),
+        _named_peaks(peaks, groups),
+        output_figures(curves, peaks),
+        thread_figures(curves),
+    )
+    return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
+
+
+def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
+    """The peaks of the signals that have one, each with the name that a table gives it."""
+    return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
+
+
+def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+    """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; nothing for a massless linkage.
+
+    Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
+    """
+    if "Mkr" not in peaks:
+        return
+
+    def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
+        return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
+
+    force = "force" if curves.linkage.is_linear else "torque"
+    places = curves.places(DRIVE)
+    if not curves.instants.is_steady:
+        places[PEAK_SPEED] = _peak_speed_time(curves)
+    points = {what: curves.values(LOAD, time) for what, time in places.items()}
+    least = NEGLIGIBLE * max(abs(power) for *_, power in points.values())
+    for what, point in points.items():
+        if what != BRAKING or point[-1] < -least:
+            yield from load(what.replace("torque", force), point, places[what])
+    square, *means = curves.means(
+        lambda at: np.square(at.torque), lambda at: at.torque, lambda at: at.speed, lambda at: at.torque * at.speed
+    )
+    yield curves.figure(f"RMS {force}", "Mkr", math.sqrt(square))
+    sizes = [NEGLIGIBLE_MEAN * abs(peaks[name].value or 0.0) for name in LOAD]
+    yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
+
+
+def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+    """Largest force of every joint, and of the linkage on its frame, each with its direction."""
+    joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
+    every = {**joints, "shaking_force": (SHAKING, "ground")}
+    vectors = {vector: words for vector, words in every.items() if vector + MAGNITUDE in peaks}
+    truth = curves.truth_at(np.array([peaks[vector + MAGNITUDE].time for vector in vectors]))
+    for row, (vector, (what, link)) in enumerate(vectors.items()):
+        peak = replace(peaks[vector + MAGNITUDE], what=what, on=link)
+        x, y = (float(curves.signal_values(truth, f"{vector}:{component}")[row]) for component in "xy")
+        yield from (peak, curves.figure(what, vector + DIRECTION, math.atan2(y + 0.0, x + 0.0), peak.time, link))
+
+
+def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
+    """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
+    if "S" not in peaks:
+        return
+    places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
+    values = {what: curves.values(("S",), time)[0] for what, time in places.items()}
+    ends = [curves.figure(what, "S", value, places[what]) for what, value in values.items()]
+    stroke = curves.figure("stroke", "S", values["largest S"] - values["least S"])
+    yield replace(stroke, at_open_end=any(end.at_open_end for end in ends))
+    yield from ends
+    yield from _named_peaks(peaks, {"v": "peak v", "a": "peak a"})
+
+
+def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
+    """The thread's feed and length where the feed and the heights of its eyes are extreme; from the required feed."""
+    path = curves.linkage.thread
+    if path is None or THREAD_FEED not in curves.names:
+        return
+    measures: dict[str, Measure] = {
+        "least feed": lambda at: -signal(at, THREAD_FEED),
+        "largest feed": lambda at: signal(at, THREAD_FEED),
+    }
+    for eye in dict.fromkeys(eye.point for eye in path.eyes if eye.point in moving_points(curves.linkage)):
+        measures[f"{eye} highest"] = lambda at, eye=eye: at.sweep.point(eye)[1]  # type: ignore[misc]
+        measures[f"{eye} lowest"] = lambda at, eye=eye: -at.sweep.point(eye)[1]  # type: ignore[misc]
+    both = (THREAD_FEED, THREAD_LENGTH)
+    points = {what: (time, curves.values(both, time)) for what, time in curves.places(measures).items()}
+    for what, (time, values) in points.items():
+        yield from (curves.figure(what, name, value, time) for name, value in zip(both, values, strict=True))
+    yield curves.figure("range of the feed", THREAD_FEED, points["largest feed"][1][0] - points["least feed"][1][0])
+    if path.required:
+        phi, required, actual = required_feed(curves.case.mechanism, path)
+        apart = actual - required
+        worst = int(np.argmax(np.abs(apart)))
+        largest = curves.figure("farthest from required", THREAD_FEED, apart[worst])
+        yield replace(largest, phi=float(phi[worst]))
+        yield curves.figure("RMS from required", THREAD_FEED, float(np.sqrt(np.mean(apart**2))))
+
+
+def required_feed(mechanism: Mechanism, path: ThreadPath) -> tuple[Array, Array, Array]:
+    """φ, rad, the feed required there and the actual one, m; all (n,), in the file's order."""
+    phi, required = np.array(path.required).T
+    return phi, required, feed(mechanism, path, phi)
+
+
+def _peak_speed_time(curves: Curves) -> float:
+    """Time of the largest speed, s; of a constant largest speed, the time of the largest torque during it."""
+    place = curves.places({"speed": lambda at: np.abs(at.speed)})["speed"]
+    fastest = abs(curves.values(("omega",), place)[0]) * (1.0 - SAME_SPEED)
+    if np.count_nonzero(np.abs(curves.on_grid.speed) >= fastest) < FEWEST:
+        return place
+    torque = curves.places({"torque": lambda at: np.where(np.abs(at.speed) >= fastest, np.abs(at.torque), -1.0)})
+    return torque["torque"]
+
+
+def _loaded_links(curves: Curves) -> dict[str, str]:
+    """By joint the link on which its force acts."""
+    linkage, sweep = curves.linkage, curves.case.start()
+    pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
+    sliders = {slider.name: slider.link for slider in linkage.sliders}
+    return {**pins, **sliders, **{slot.name: sweep.carrier(slot.point) for slot in linkage.slots}}
+
+
+# Figures of a case by name, SI: of signals over its motion, and of the mechanism alone.
+#
+# A signal's figure has the name of ``analytic.designs.figures``, and its means are over the time. Of a mechanism, in
+# any motion, there are
+#
+# ``Jeq.pulsation`` half the range of Jeq over a turn, over its mean ``equilibrium`` crank angle, rad, of the undriven
+# linkage's stable rest with the least potential energy ``top_dead_centre`` crank angle, rad, at which the output is
+# highest along its direction ``time_ratio`` crank angle of the output's slower stroke over that of its faster one
+# ``range.low .high`` ends, rad, of the range of a crank that cannot turn fully
+
+MechanismFigure = Callable[[Mechanism], float]
+
+
+def _resting_angle(mechanism: Mechanism) -> float:
+    """Crank angle, rad, of the stable rest with the least potential energy; raises LinkproofError without one."""
+    stable = [rest.angle for rest in equilibria(mechanism) if rest.stable]
+    if not stable:
+        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads balance at no angle")
+    return min(stable, key=lambda angle: float(reduced.potential_energy(mechanism.sweep(angle)))) % FULL_TURN
+
+
+def _time_ratio(mechanism: Mechanism) -> float:
+    """Crank angle of the output's slower stroke over that of its faster one."""
+    stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
+    strokes = sorted((stroke, FULL_TURN - stroke))
+    return strokes[1] / strokes[0]
+
+
+def _range_limit(mechanism: Mechanism, end: int) -> float:
+    """The lower (0) or upper (1) end of the crank's range, rad; raises LinkproofError for a crank that turns fully."""
+    reach = mechanism.crank_range()
+    if reach.is_full_turn:
+        raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
+    return reach.limits[end]
+
+
+def _pulsation(mechanism: Mechanism) -> float:
+    return extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))).relative_pulsation
+
+
+# Each with its SI unit.
+MECHANISM_FIGURES: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
+    "Jeq.pulsation": ("", _pulsation),
+    "equilibrium": ("rad", _resting_angle),
+    "top_dead_centre": ("rad", lambda mechanism: top_dead_centre(mechanism).angle),
+    "time_ratio": ("", _time_ratio),
+    "range.low": ("rad", lambda mechanism: _range_limit(mechanism, 0)),
+    "range.high": ("rad", lambda mechanism: _range_limit(mechanism, 1)),
+}
+
+
+def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
+    """The figures of a case that a typed name stands for, by name; raises LinkproofError for an unknown one."""
+    return (
+        {name: MECHANISM_FIGURES[name][1]}
+        if name in MECHANISM_FIGURES
+        else figures_named(mechanism, name, in_time=True)
+    )
+
+
+def figure_unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a figure of the linkage."""
+    if name in MECHANISM_FIGURES:
+        return MECHANISM_FIGURES[name][0]
+    return unit("S" if name == STROKE else part_figure(name)[0], linkage)
+
+
+def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
+    """Values of the figures of ``named`` over the motion, SI.
+
+    Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
+    """
+    of_signals = {name: entry for name, entry in figures.items() if isinstance(entry, Figure)}
+    values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
+
+    def height(end: SignalExtreme) -> Measure:
+        return lambda at: end.height(curves.signal_values(at, end.signal))
+
+    places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})
+    at_places = curves.truth_at(np.array([*places.values()]))
+    ends = {end: curves.signal_values(at_places, end.signal)[row] for row, end in enumerate(places)}
+    means = {
+        quantity: lambda at, entry=quantity: entry.integrand(curves.signal_values(at, entry.signal))
+        for quantity in of_signals.values()
+        if quantity.is_mean
+    }
+    averages = dict(zip(means, curves.means(*means.values()) if means else (), strict=True))
+    for name, figure in of_signals.items():
+        if figure.extremes:
+            values[name] = float(figure.of([ends[end] for end in figure.extremes]))
+        elif figure.is_mean:
+            values[name] = float(figure.of_mean(np.array(averages[figure])))
+        else:
+            values[name] = float(curves.signal_values(curves.truth_at(_figure_time(curves, figure)), figure.signal)[0])
+    return values
+
+
+def _figure_time(curves: Curves, figure: Figure) -> Array:
+    """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
+    if math.isnan(figure.time):
+        return curves.instants.times_of_angles(np.array([figure.angle]), "", 1.0)
+    return curves.instants.checked_times(np.array([figure.time]))
+
+
+@dataclass(frozen=True)
+class PublishedRecord:
+    """A printed figure beside ours, both in the printed unit.
+
+    ``deviation`` is ours over published less one, None where 0 is published.
+    """
+
+    mechanism: str
+    variant: str
+    quantity: str
+    unit: str
+    published: float
+    half_digit: float
+    ours: float
+    deviation: float | None
+    verdict: str
+    source: str
+    note: str
+
+
+def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
+    """Every printed figure of these linkages against ours, in each linkage's own variant."""
+    return tuple(record for linkage in linkages for record in _records(linkage))
+
+
+def check_published(mechanism: Mechanism) -> None:
+    """Raise DescriptionError, with the line, for a printed figure whose quantity, unit or regime there is not."""
+    linkage = mechanism.linkage
+    source = Source(f"{linkage.name}.toml", linkage.text, linkage.variant)
+    regimes = [entry.name for entry in linkage.regimes]
+    for number, entry in enumerate(linkage.published):
+        if entry.variant not in (None, linkage.variant):
+            continue
+        key = "quantity"
+        try:
+            figures_by_name(mechanism, entry.quantity)
+            key = "unit"
+            if entry.unit is not None and not entry.relative_to:
+                conversion(entry.unit, figure_unit(entry.quantity, linkage))
+            key = "regime"
+            if entry.regime is not None and entry.regime not in (*regimes, *REGIMES):
+                raise UnknownNameError(f"regime of '{linkage.name}'", entry.regime, [*regimes, *REGIMES])
+            key = "speed"
+            if entry.speed is not None and not 1.0 / LARGEST <= abs(entry.speed) * RPM <= LARGEST:
+                raise LinkproofError(f"expected a crank that turns, got {entry.speed:g} rpm; leave it out for 1 rad/s")
+        except LinkproofError as error:
+            raise source.fault(f"published.{number}.{key}: {error}") from error
+
+
+def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
+    """The printed figures of one linkage's variant beside ours; one mechanism serves them all."""
+    entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
+    if entries:
+        mechanism = Mechanism(linkage)
+        yield from (_record(mechanism, entry) for entry in entries)
+
+
+def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
+    """A printed figure beside ours."""
+    linkage, ours = mechanism.linkage, _evaluate(mechanism, entry)
+    quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
+    unit = figure_unit(entry.quantity, linkage)
+    if entry.relative_to:
+        unit, quantity = "", f"{quantity} / {entry.relative_to}"
+    elif entry.unit is not None:
+        ours /= conversion(entry.unit, unit)
+        unit = entry.unit
+    if _is_place(entry, mechanism):
+        turn = 2.0 * math.pi / conversion(unit or "rad", "rad")
+        ours += turn * round((entry.value - ours) / turn)
+    return PublishedRecord(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        quantity=quantity,
+        unit=unit,
+        published=entry.value,
+        half_digit=entry.half_digit,
+        ours=ours,
+        deviation=ours / entry.value - 1.0 if entry.value else None,
+        verdict=verdict(entry, ours),
+        source=entry.place,
+        note=entry.note,
+    )
+
+
+def _is_place(entry: Published, mechanism: Mechanism) -> bool:
+    """Whether a printed figure is an angle at an instant or a place, which a whole turn does not change."""
+    is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
+    return is_angle and (entry.quantity in MECHANISM_FIGURES or part_figure(entry.quantity)[1].startswith("@"))
+
+
+def verdict(entry: Published, ours: float) -> str:
+    """How our value meets a printed one: reproduced to its digits, within the 6 % the sources claim, or not reproduced.
+
+    Where the source is known to be less accurate than its digits, its accuracy counts.
+    """
+    if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
+        return REPRODUCED
+    return NEAR if abs(ours - entry.value) <= CLAIMED_ACCURACY * abs(entry.value) else "not reproduced"
+
+
+def _evaluate(mechanism: Mechanism, entry: Published) -> float:
+    """The figure of the closed form, SI."""
+    ours = published_figure(mechanism, entry)
+    if entry.less:
+        ours -= _other_figure(mechanism, entry, entry.less)
+    return ours / _other_figure(mechanism, entry, entry.relative_to) if entry.relative_to else ours
+
+
+def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
+    """A printed figure's value, SI, for the ``other`` signal of the linkage or the other mechanism."""
+    if other in table(mechanism):
+        ending = part_figure(entry.quantity)[1]
+        return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{ending}"}))
+    of, variant = load(other), mechanism.linkage.variant
+    return published_figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
+
+
+def published_figure(mechanism: Mechanism, entry: Published) -> float:
+    """Our value, SI, of a printed figure's quantity in its motion; raises LinkproofError where there is none."""
+    name = entry.quantity
+    if name in MECHANISM_FIGURES:
+        return MECHANISM_FIGURES[name][1](mechanism)
+    figures = figures_by_name(mechanism, name)
+    if len(figures) > 1:
+        raise LinkproofError(f"published quantity: expected one figure, got '{name}', which is several; name one")
+    (item,) = figures.values()
+    angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
+    end = None if math.isnan(angle) else angle
+    speed = 1.0 if entry.speed is None else entry.speed * RPM
+    (value,) = case_figures(_curves(mechanism, entry.regime, speed, end), figures).values()
+    return value
+
+
+@lru_cache(maxsize=8)
+def _curves(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Curves:
+    """Curves of the case that figures are printed for; sampled once for all of them."""
+    return Curves(_case(mechanism, regime, speed, end))
+
+
+def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
+    """The case that figures are printed for: a ``regime``, or a steady ``speed``, rad/s.
+
+    Such a crank makes a turn, or turns up to the angle ``end``, rad, where one is given.
+    """
+    regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
+    if regime in regimes:
+        return case_of_file_regime(mechanism, regimes[regime])
+    if regime is not None:
+        if regime not in REGIMES:
+            raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", regime, [*regimes, *REGIMES])
+        return Case(mechanism, crank_motion(regime))
+    way = FULL_TURN
+    if end is None:
+        mechanism.check_full_turn()
+        end = way
+    else:
+        way, reach = MARGIN, mechanism.crank_range()
+        if not reach.is_full_turn:
+            way = min(way, TOGGLE_SHARE * abs(end - reach.limits[0 if speed > 0.0 else 1]))
+    motion = crank_motion(
+        "constant-speed", speed=abs(speed), clockwise=speed < 0.0, start_angle=end - math.copysign(way, speed),
+        ramp_time=0.0, hold_time=way / abs(speed),
+    )  # fmt: skip
+    return Case(mechanism, motion)

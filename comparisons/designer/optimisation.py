@@ -1,0 +1,339 @@
+"""The best design of a linkage for a request, with further results for its designer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED, with_numbers
+from analytic.designs.derivatives import signal_gradients
+from analytic.designs.figures import Reduction
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designer.parameters import (
+    NamedFigure,
+    OpenEndFigures,
+    SteadyMotion,
+    loads_that_stay,
+    named_figures,
+    open_end_figures,
+)
+from comparisons.designer.problem import (
+    ALLOWED_EXCESS,
+    Constraint,
+    DesignProblem,
+    Variable,
+    constraint,
+    constraint_texts,
+    variables,
+)
+from comparisons.designer.searches import ACTIVE, Announce, Descent, End, Search, independent, search
+
+Array = NDArray[np.float64]
+
+# An optimum whose lengths can be made: whole steps between their bounds, the other numbers searched for again.
+
+
+STEP_ROUNDING = 1e-9  # of a step: a bound that is a multiple but for rounding
+
+
+def step_size(variables: Sequence[Variable], text: str) -> float:
+    """The step of ``--round``, m, typed as ``0.1mm`` or in the file's unit; raises LinkproofError for no length."""
+    lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
+    if not lengths:
+        raise LinkproofError("--round: expected a length among the numbers of --over, got none; leave it out")
+    step = replace(lengths[0], name="--round").si(text)
+    if not step > 0.0:
+        raise LinkproofError(f"--round: expected a positive length, got '{text}'; correct it")
+    return step
+
+
+def round_lengths(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
+    """Numbers, SI, of the best design whose lengths are multiples of a ``step``, m, near the optimum's ``numbers``.
+
+    One length after the other takes the better of its two neighbours, and the numbers that are left are searched for
+    anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a multiple.
+    """
+    best, left = dict(numbers), list(problem.variables)
+    for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:
+        left.remove(variable)
+        name, unit = variable.parameter.name, variable.parameter.unit
+        below = math.floor(best[name] / step + STEP_ROUNDING)
+        near = [
+            n * step
+            for n in (below, below + 1)
+            if variable.low - STEP_ROUNDING * step <= n * step <= variable.high + STEP_ROUNDING * step
+        ]
+        tried = [_search_others(problem, {**best, name: value}, left) for value in near]
+        ranked = [(rank, number) for number, (rank, _) in enumerate(tried) if rank is not None]
+        if not ranked:
+            raise LinkproofError(
+                f"--round: expected designs at multiples of {step / unit.size:g} {unit.name} beside {name} "
+                f"{best[name] / unit.size:g}, within the bounds, got none; give a finer step or wider bounds"
+            )
+        best = tried[min(ranked)[1]][1]
+    return best
+
+
+def _search_others(
+    problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
+) -> tuple[tuple[float, float] | None, dict[str, float]]:
+    """The rank and the numbers of a design whose variables ``left`` are searched for anew; rank None for no design."""
+    fixed = {
+        name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
+    }
+    if left:
+        mechanism = problem.mechanism.redesigned(with_numbers(problem.mechanism.linkage, fixed))
+        rest = replace(problem, mechanism=mechanism, variables=tuple(left))
+        start = np.array([numbers[variable.parameter.name] for variable in left])
+        end = Descent(rest).run(np.clip((start - rest.low) / rest.width, 0.0, 1.0))
+        numbers = numbers if end is None else {**fixed, **rest.numbers(end.place)}
+    values = np.array([numbers[variable.parameter.name] for variable in problem.variables])
+    try:
+        return Descent(problem).end((values - problem.low) / problem.width).rank, numbers
+    except AssemblyError:
+        return None, numbers
+
+
+# The best design of a linkage for a request, with further results for its designer.
+
+
+REPORTED: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
+KINKED: Final = (Reduction.MAX, Reduction.RANGE)
+DIGITS: Final = (6, 9, 12)  # of a number that a new file has
+AS_GOOD: Final = 1e-6  # share of the aim that fewer digits may cost
+OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
+
+
+@dataclass(frozen=True)
+class OptimisationRequest:
+    """An optimisation as typed: a figure, numbers to vary, figures to constrain, whether to search ``everywhere``.
+
+    Lengths are rounded to a ``step``, if there is one.
+    """
+
+    figure: str
+    over: Sequence[str]
+    keep: Sequence[str] = ()
+    is_least: bool = True
+    everywhere: bool = False
+    step: str = ""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best design: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
+
+    Lengths are multiples of a ``step``, if one was typed; ``exact`` (figures,) are the values before they were rounded.
+    """
+
+    problem: DesignProblem
+    search: Search
+    end: End
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    figures: tuple[NamedFigure, ...]
+    values: Array
+    step: str
+    exact: Array
+
+    def bound(self, variable: Variable) -> str:
+        """At which of its bounds a number ended: lower, upper, or neither."""
+        here = (self.after[variable.parameter.name] - variable.low) / (variable.high - variable.low)
+        return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What a reader of the best design has to know."""
+        loads = loads_that_stay(self.problem.mechanism, [self.after])
+        return [*filter(None, (self.at_open_end.sentence, loads))]
+
+    @cached_property
+    def written(self) -> dict[str, float]:
+        """The numbers, SI, as the new file has them: bounds as typed, others in as few digits as serve as well."""
+        for digits in DIGITS:
+            numbers = {entry.parameter.name: self._short(entry, digits) for entry in self.problem.variables}
+            if self._serves(numbers):
+                return numbers
+        return dict(self.after)
+
+    def _short(self, variable: Variable, digits: int) -> float:
+        """A number of the best design, SI, in so many digits of the file's unit, within its bounds."""
+        at = self.bound(variable)
+        if at:
+            return variable.low if at == "lower" else variable.high
+        size = variable.parameter.unit.size
+        value = float(f"{self.after[variable.parameter.name] / size:.{digits}g}") * size
+        return min(max(value, variable.low), variable.high)
+
+    def _serves(self, numbers: Mapping[str, float]) -> bool:
+        """Whether a design is as good as the best one, and holds what that one holds."""
+        problem, count = self.problem, len(self.problem.aims)
+        values = _design_figures(problem.mechanism, problem.motion, problem.figures, numbers)
+        aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
+        held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
+        is_held = all(
+            float(part.violation(value)) <= max(float(part.violation(known)), ALLOWED_EXCESS * size)
+            for part, value, known, size in held
+        )
+        return bool(abs(aim - best) <= AS_GOOD * problem.aim_size) and is_held
+
+    def curves(self) -> dict[str, Array]:
+        """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
+        known = self.problem.mechanism
+        names = [figure.figure.signal for figure in (*self.problem.figures, *_known_figures(known, ["Mkr.peak"]))]
+        signals, maxima = tuple(dict.fromkeys(names)), self.problem.maxima
+        rows = [
+            signal_gradients(known, numbers, signals, maxima.grid, speed=maxima.motion.speed)[0]
+            for numbers in (self.before, self.after)
+        ]
+        return dict(zip(signals, np.stack(rows, axis=1), strict=True))
+
+    @cached_property
+    def at_open_end(self) -> OpenEndFigures:
+        """The figures whose extremes lie at an open end of the motion: of the best design, else of the file's."""
+        known, motion = self.problem.mechanism, self.problem.motion
+        best = known.redesigned(with_numbers(known.linkage, {n: v for n, v in self.after.items() if n != SPEED}))
+        of_best = open_end_figures(best, motion, self.figures)
+        return of_best if of_best.names else open_end_figures(known, motion, self.figures)
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether the constraints leave nothing to vary."""
+        slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal_slopes
+        return len(independent(slopes)) == len(self.problem.variables)
+
+    @property
+    def change(self) -> Array:
+        """Relative changes of the figures (figures,); nan from zero."""
+        before, after = self.values
+        return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
+
+
+def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRequest, announce: Announce) -> Optimum:
+    """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
+    varied = variables(mechanism.linkage, request.over, motion.speed)
+    step = step_size(varied, request.step) if request.step else None
+    aims = named_figures(mechanism, [request.figure])
+    sign = 1.0 if request.is_least else -1.0
+    texts = constraint_texts(mechanism, request.keep)
+    _check_figures(aims, tuple(texts), request)
+    requested = named_figures(mechanism, [*dict.fromkeys(figure.name for figure in (*aims, *texts))])
+    others = [
+        figure
+        for figure in _known_figures(mechanism, REPORTED)
+        if figure.name not in {named_figure.name for named_figure in requested}
+    ]
+    figures = (*requested, *others)
+    before = {variable.parameter.name: variable.parameter.value for variable in varied}
+    own = _design_figures(mechanism, motion, figures, before)
+    sizes = dict(zip((figure.name for figure in figures), own, strict=True))
+    constraints = tuple(constraint(figure, text, float(sizes[figure.name])) for figure, text in texts.items())
+    problem = DesignProblem(
+        mechanism, motion, aims, sign, varied, constraints,
+        max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _zero_size(aims[0])),
+        tuple(max(_constraint_size(part), abs(float(sizes[part.figure.name])), _zero_size(part.figure))
+              for part in constraints),
+    )  # fmt: skip
+    start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
+    _check_depends(problem, start)
+    result = search(problem, start, announce, everywhere=request.everywhere)
+    end = _feasible_end(problem, result, motion)
+    exact = problem.numbers(end.place)
+    after = exact if step is None else round_lengths(problem, exact, step)
+    values = np.array([own, *(_design_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
+    return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
+
+
+def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], request: OptimisationRequest) -> None:
+    """Raise LinkproofError for figures that cannot be optimised or constrained."""
+    for figure in (*aims, *keep):
+        if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
+            raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
+                                 "and kept; its largest is mostly 90°, in a kink")  # fmt: skip
+    if len(aims) > 1 and aims[0].figure.reduction not in (OF_HIGHEST if request.is_least else (Reduction.MIN,)):
+        names = ", ".join(aim.name for aim in aims)
+        raise LinkproofError(f"expected one figure, got {request.figure}, which stands for {names}; choose one of them")
+
+
+def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
+    """The figures of some names that the linkage has; others are left out."""
+    figures: list[NamedFigure] = []
+    for name in names:
+        try:
+            figures += named_figures(mechanism, [name])
+        except LinkproofError:
+            continue
+    return figures
+
+
+def _design_figures(
+    mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], design: Mapping[str, float]
+) -> Array:
+    """Figures (figures,) of a design, refined, SI."""
+    numbers = {name: np.array([value]) for name, value in design.items()}
+    return motion.figures(mechanism, numbers, [figure.figure for figure in figures])[:, 0]
+
+
+def _constraint_size(figure: Constraint) -> float:
+    """The largest finite bound of a constraint, SI; 0 without one."""
+    return max((abs(end) for end in (figure.low, figure.high) if np.isfinite(end)), default=0.0)
+
+
+def _zero_size(figure: NamedFigure) -> float:
+    """The size, SI, that a figure is scaled by where it is zero: a millionth of the file's unit."""
+    return 1e-6 * figure.unit.size
+
+
+def _check_depends(problem: DesignProblem, start: Array) -> None:
+    """Raise LinkproofError where the aim depends on none of the numbers."""
+    try:
+        model = problem.linearise(start, problem.windows(start))
+    except AssemblyError:
+        return
+    slopes = np.abs(model.aim_slopes)
+    if np.any(slopes > ALLOWED_EXCESS):
+        return
+    names = ", ".join(variable.parameter.name for variable in problem.variables)
+    aim = ", ".join(figure.name for figure in problem.aims)
+    sizes = np.maximum(np.abs(problem.low), np.abs(problem.low + problem.width))
+    if np.any(slopes * sizes / problem.width > ALLOWED_EXCESS):
+        raise LinkproofError(
+            f"--over {names}: the bounds are so close together that {aim} hardly changes between them; set them "
+            "farther apart"
+        )
+    raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
+
+
+def _feasible_end(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
+    """The best end of a search; raises LinkproofError where no design assembles or the constraints are out of reach."""
+    best = result.best
+    if best is None:
+        raise LinkproofError(
+            f"expected designs that can be assembled at every angle, got none of {result.counter.sampled + 1} within "
+            "the bounds; choose others"
+        )
+    if best.is_feasible:
+        return best
+    values = _design_figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[
+        len(problem.aims) :
+    ]
+    worst = max(
+        zip(problem.constraints, values, problem.constraint_sizes, strict=True),
+        key=lambda row: float(row[0].violation(row[1])) / row[2],
+    )
+    figure, value, size = worst[0].figure, worst[1], worst[0].figure.unit.size
+    ends = [f"{word} {end / size:.6g}" for word, end in (("from", worst[0].low), ("to", worst[0].high))
+            if np.isfinite(end)]  # fmt: skip
+    name = f"of {worst[0].low / size:.6g}" if worst[0].is_equal else " ".join(ends)
+    unit = f" {figure.unit.name}" if figure.unit.name else ""
+    raise LinkproofError(
+        f"expected a design with {figure.name} {name}{unit}, got none within the bounds; the nearest found has "
+        f"{float(value) / size:.6g}{unit}: widen --over or --keep"
+    )

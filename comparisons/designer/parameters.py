@@ -1,0 +1,298 @@
+"""Numbers of a linkage's file that designs differ in, by name, in the units of the file; and the file of a design."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED, design_numbers, named_numbers, with_numbers
+from analytic.description.changes import numbers as numbers_of
+from analytic.description.crank_motion import RPM
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.description.loading import DESIGN, parse, rewritten
+from analytic.description.units import UNITS, Kind, factor
+from analytic.description.written import FileUnit, file_unit
+from analytic.designs.derivatives import figure_gradients
+from analytic.designs.figures import Figure, figures_named
+from analytic.designs.results import design_figures
+from analytic.errors import LinkproofError, StructureError, UnknownNameError, listed
+from analytic.kinematics.dead_centres import top_dead_centre
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.signals import unit
+from comparisons.designer.linkage_check import load_name
+from comparisons.designer.open_ends import figures_at_open_ends, inset_ends, open_end_warning
+
+Array = NDArray[np.float64]
+
+LISTING: Final = "those that `linkproof list MECHANISM` shows"
+TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
+
+    name: str
+    kind: Kind | Literal["speed"]
+    value: float
+    unit: FileUnit
+
+    @property
+    def shown(self) -> str:
+        """The name with the unit, as tables are headed."""
+        return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
+
+    def si(self, text: str) -> float:
+        """The SI value of a number as it is typed: in the unit of the file, or with one of its own, 17cm.
+
+        Raises LinkproofError for no number, UnknownNameError for a unit that does not measure this.
+        """
+        number, size = self._read(text)
+        return number * size
+
+    def in_file(self, text: str) -> float:
+        """A typed number in the unit of the file; raises like ``si``."""
+        number, size = self._read(text)
+        return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
+
+    def _read(self, text: str) -> tuple[float, float]:
+        """A typed number and the size of its unit in SI; raises LinkproofError for no number."""
+        read = TYPED_NUMBER.fullmatch(text)
+        number = float(read["number"]) if read else math.nan
+        if read is None or not math.isfinite(number):
+            raise LinkproofError(
+                f"{self.name}: expected a finite number{f' of {self.unit.name}' if self.unit.name else ''}, got "
+                f"'{text}'; correct it"
+            )
+        return number, self.unit.size if read["unit"] is None else self._unit_size(read["unit"])
+
+    def _unit_size(self, unit: str) -> float:
+        """Size in SI of a unit that is typed; raises LinkproofError for one that does not measure this."""
+        if self.kind not in UNITS:
+            if unit != self.unit.name:
+                raise LinkproofError(
+                    f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
+                )
+            return self.unit.size
+        try:
+            return factor(self.kind, unit)
+        except UnknownNameError as error:
+            raise LinkproofError(f"{self.name}: {error}") from error
+
+
+def parameters(linkage: Linkage) -> dict[str, Parameter]:
+    """Every number of a linkage that its designs may differ in, by name."""
+    numbers = design_numbers(linkage).items()
+    return {name: Parameter(name, kind, value, _unit_of_kind(linkage, kind)) for name, (kind, value) in numbers}
+
+
+def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
+    """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
+    if name == SPEED:
+        return Parameter(SPEED, SPEED, abs(speed), speed_unit(linkage))
+    known = parameters(linkage)
+    if name not in known:
+        raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
+    return known[name]
+
+
+def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
+    """What conditions say of the masses of designs; "" where ``names``, which vary, have no moving link's length."""
+    places = {name: number.path for name, number in named_numbers(linkage).items()}
+    if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
+        return ""
+    return ", masses scaled with lengths" if linkage.scales_mass else ", masses as in the file"
+
+
+def speed_unit(linkage: Linkage) -> FileUnit:
+    """The unit of the driver's speed: rpm, or the file's unit of length per second."""
+    return file_unit("m/s", linkage) if linkage.is_linear else FileUnit("rpm", RPM)
+
+
+def _unit_of_kind(linkage: Linkage, kind: Kind) -> FileUnit:
+    """The file's unit of a kind; SI where the file states none."""
+    name = linkage.units.get(kind, kind.unit)
+    return FileUnit(name, factor(kind, name) if kind in UNITS else 1.0)
+
+
+# The linkage file of a design: other numbers, the same assembly modes as the original.
+
+
+def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
+    """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
+
+    A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
+    AssemblyError where the design has no such sketch.
+    """
+    original, structure = mechanism.linkage, mechanism.structure
+    numbers = {name: value for name, value in numbers.items() if name != SPEED}
+    if original.scales_mass:
+        before, after = numbers_of(original), numbers_of(with_numbers(original, numbers))
+        numbers = {name: value for name, value in after.items() if value != before[name]}
+    signs = tuple(dyad.sign for dyad in structure.dyads)
+    text = rewritten(original.text, original.name, original.variant, numbers, new_variant=DESIGN)
+    try:
+        new = Mechanism(parse(text, original.name, original.name))
+        if structure.is_numerical or tuple(dyad.sign for dyad in new.structure.dyads) == signs:
+            return text
+    except StructureError:  # the sketch leaves a mode open
+        pass
+    design = with_numbers(original, numbers)
+    sweep = Sweep(design, find_structure(design).with_signs(signs), np.asarray(design.sketch_angle))
+    sketch = {
+        f"sketch.{point}.{axis}": float(value)
+        for point in design.sketch
+        for axis, value in zip("xy", sweep.point(point), strict=True)
+    }
+    return rewritten(original.text, original.name, original.variant, {**numbers, **sketch}, new_variant=DESIGN)
+
+
+# Figures of a design by name, in the units of its linkage's file.
+
+
+@dataclass(frozen=True)
+class NamedFigure:
+    """A figure of a design by its name, with the unit of the file."""
+
+    name: str
+    figure: Figure
+    unit: FileUnit
+
+    @property
+    def shown(self) -> str:
+        """The name with the unit, as tables are headed."""
+        return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
+
+
+def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
+    """The figures of these names, each once, in their order; a family stands for all its members.
+
+    Raises LinkproofError as ``analytic.designs.figures.figures_named``.
+    """
+    figures = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
+    linkage = mechanism.linkage
+    return tuple(
+        NamedFigure(name, figure, file_unit(unit(figure.signal, linkage), linkage)) for name, figure in figures.items()
+    )
+
+
+# The motion under which designs are compared: the driver at constant speed over a turn, or over a range.
+
+
+SAMPLES: Final = 180  # crank angles of a turn, or places of a range
+
+
+@dataclass(frozen=True)
+class SteadyMotion:
+    """Sampled places of the driver, rad or m, ascending, and its constant speed, rad/s or m/s, signed.
+
+    The end of a full turn is not sampled twice.
+    """
+
+    places: Array
+    speed: float
+    is_full_turn: bool
+
+    def figures(
+        self,
+        mechanism: Mechanism,
+        numbers: Mapping[str, Array],
+        figures: Sequence[Figure],
+        *,
+        refine: bool = True,
+        path: str = "auto",
+    ) -> Array:
+        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``.
+
+        One of the numbers may be the ``speed``, turned as this motion's.
+        """
+        return design_figures(
+            mechanism, numbers, figures, self.places, speed=self.speed, refine=refine,
+            period=FULL_TURN if self.is_full_turn else None, path=path,
+        )  # fmt: skip
+
+    def gradients(
+        self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]
+    ) -> tuple[Array, Array]:
+        """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
+        return figure_gradients(mechanism, numbers, figures, self.places, speed=self.speed)
+
+
+def steady_motion(
+    mechanism: Mechanism, speed: float, *, samples: int = SAMPLES, start: float | None = None, end: float | None = None
+) -> SteadyMotion:
+    """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
+
+    The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
+    zero or not finite.
+    """
+    if not math.isfinite(speed) or speed == 0.0:
+        raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")
+    if start is not None and end is not None:
+        return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
+    reach = mechanism.crank_range()
+    if reach.is_full_turn:
+        return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
+    low, high = inset_ends(reach)
+    return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)
+
+
+class OpenEndFigures(NamedTuple):
+    """The names of figures whose extremes lie at an open end of a motion, and a sentence on them; () and "" if none."""
+
+    names: tuple[str, ...]
+    sentence: str
+
+
+def open_end_figures(mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure]) -> OpenEndFigures:
+    """The figures of a linkage whose extremes say no more than where the motion is cut off beside a dead position."""
+    if motion.is_full_turn:
+        return OpenEndFigures((), "")
+    marks, ends = figures_at_open_ends(mechanism, [entry.figure for entry in figures], motion.places, motion.speed)
+    names = tuple(entry.name for entry, is_open in zip(figures, marks, strict=True) if is_open)
+    if not names:
+        return OpenEndFigures((), "")
+    verb = "has its extreme" if len(names) == 1 else "have their extremes"
+    words = open_end_warning(mechanism, ends)
+    return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
+
+
+DEAD_CENTRE_MOVES: Final = math.radians(0.5)  # by less, a load over the crank angle is where it was
+
+
+def loads_that_stay(mechanism: Mechanism, designs: Iterable[Mapping[str, float]]) -> str:
+    """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
+
+    ``designs`` are numbers, SI, by name; those without dead centres are left out.
+    """
+    linkage = mechanism.linkage
+    loads = [load_name(force) for force in linkage.forces if not force.force.is_constant]
+    loads += [load_name(torque) for torque in linkage.torques if not torque.torque.is_constant]
+    if not loads or linkage.is_linear or linkage.output is None:
+        return ""
+    try:
+        own = top_dead_centre(mechanism).angle
+    except LinkproofError:
+        return ""
+    for design in designs:
+        numbers = {name: value for name, value in design.items() if name != SPEED}
+        try:
+            moved = top_dead_centre(mechanism.redesigned(with_numbers(linkage, numbers))).angle
+        except LinkproofError:
+            continue
+        if abs((moved - own + math.pi) % FULL_TURN - math.pi) > DEAD_CENTRE_MOVES:
+            stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
+            return (
+                f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} to "
+                f"{linkage.place(moved)}: shift the table in the file where it belongs to the stroke"
+            )
+    return ""

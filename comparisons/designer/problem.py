@@ -1,0 +1,431 @@
+"""The optimisation problem: a figure of a linkage, bounded numbers of its file as variables, constraints on figures.
+
+The highest of several maxima has a kink where two of them tie, which is where most least peaks lie. Each
+maximum for itself is smooth, so that an optimiser of smooth problems can bound them all.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.designs.derivatives import signal_gradients, signal_values
+from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
+from analytic.designs.results import design_figures
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.refine import Integers, Tops, climb
+from analytic.signals import MAGNITUDE, OUTPUT_COORDINATE, is_angle
+from comparisons.designer.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
+
+Array = NDArray[np.float64]
+
+FEWEST_ANGLES: Final = 360  # crank angles at which signals are sampled
+MOST_WINDOWS: Final = (
+    12  # local maxima of one signal with separate windows; beyond these the lowest share a neighbour's window
+)
+
+ALLOWED_EXCESS: Final = 1e-9  # share of its size by which a figure may violate its constraint
+
+
+class SampleWindow(NamedTuple):
+    """Samples ``first`` to ``last`` of the grid, those beyond its ends a turn on, on a side of a signal."""
+
+    side: SignalExtreme
+    first: int
+    last: int
+
+
+def effective_reduction(figure: Figure) -> Reduction:
+    """The reduction that an optimiser bounds: S counts from its farthest place, so that its largest is its range."""
+    is_range = figure.signal == "S" and figure.reduction in (Reduction.PEAK, Reduction.MAX)
+    return Reduction.RANGE if is_range else figure.reduction
+
+
+def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
+    """The sides of a signal, highest and lowest, whose maxima make a figure: a range and a peak have both, means none.
+
+    A peak is the highest maximum of both; those of a range's two sides add up.
+    """
+    name, how = figure.signal, effective_reduction(figure)
+    if (name != "phi" and is_angle(name)) or (name == "S" and how is Reduction.MIN):
+        return ()  # they count from the other requested angles
+    if name == "S":  # counts from its farthest place, so that its range is the coordinate's
+        name = OUTPUT_COORDINATE
+    up, down = SignalExtreme(name, 1), SignalExtreme(name, -1)
+    if how is Reduction.PEAK:
+        return (up,) if name.endswith(MAGNITUDE) else (up, down)
+    return replace(figure, signal=name, reduction=how).extremes
+
+
+@dataclass(frozen=True)
+class LocalMaxima:
+    """Local maxima of some ``sides`` of signals, for any design of a mechanism under a steady motion."""
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    sides: tuple[SignalExtreme, ...]
+
+    @property
+    def grid(self) -> Array:
+        """Evenly spaced crank angles, rad or m."""
+        count = max(FEWEST_ANGLES, len(self.motion.places))
+        if self.motion.is_full_turn:
+            return np.linspace(0.0, FULL_TURN, count, endpoint=False)
+        return np.linspace(self.motion.places[0], self.motion.places[-1], count)
+
+    def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
+        """The motion of a design cut at the minima between its maxima, for every side."""
+        values = self._values(numbers, self._signals, self.grid)
+        return tuple(
+            window
+            for side in self.sides
+            for window in self._cut_windows(side, side.way * values[self._signals.index(side.signal)])
+        )
+
+    def heights(self, numbers: Mapping[str, float], windows: Sequence[SampleWindow]) -> tuple[Array, Array]:
+        """The maximum in each window (windows,), SI, and its derivatives by the design's numbers (windows, parameters).
+
+        Raises AssemblyError where the design cannot be assembled at every angle.
+        """
+        grid, names = self.grid, self._signals
+        rows = np.array([names.index(window.side.signal) for window in windows])
+        ways = np.array([window.side.way for window in windows])
+        sampled = self._values(numbers, names, grid)
+        near = np.array(
+            [_bracket_top(window, window.side.way * sampled[row]) for window, row in zip(windows, rows, strict=True)]
+        )
+        own = ways[:, None] * sampled[rows[:, None], near % len(grid)]
+        tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
+
+        def heights(top: Integers, places: Array) -> Array:
+            seen = self._values(numbers, names, places.ravel()).reshape(len(names), *places.shape)
+            return np.asarray(ways[top, None] * seen[rows[top], np.arange(len(top))])
+
+        _, places = climb(tops, heights)
+        every = np.arange(len(windows))
+        values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed)
+        if not np.all(np.isfinite(slopes)):
+            raise self._dead_position_error
+        return ways * values[rows, every], ways[:, None] * slopes[rows, :, every]
+
+    @property
+    def _signals(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(side.signal for side in self.sides))
+
+    @property
+    def _dead_position_error(self) -> AssemblyError:
+        return AssemblyError(f"'{self.mechanism.linkage.name}' stands in a dead position")
+
+    def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
+        """Signals (names, angles), SI, of a design; raises AssemblyError where it stands in a dead position."""
+        values = signal_values(self.mechanism, numbers, names, angle, speed=self.motion.speed)
+        if not np.all(np.isfinite(values)):
+            raise self._dead_position_error
+        return values
+
+    def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
+        """Windows of one side, one around each of its highest maxima, cut at the minima between them."""
+        count, cyclic = len(values), self.motion.is_full_turn
+        before, after = np.roll(values, 1), np.roll(values, -1)
+        if not cyclic:
+            before[0] = after[-1] = -np.inf
+        tops = np.flatnonzero((values > before) & (values >= after))
+        tops = np.sort(tops[np.argsort(-values[tops], kind="stable")][:MOST_WINDOWS])
+        if len(tops) == 0:
+            return [SampleWindow(side, 0, count - 1)]
+        ends = [*tops, tops[0] + count] if cyclic else tops
+        cuts = [low + int(np.argmin(values[np.arange(low, high + 1) % count])) for low, high in pairwise(ends)]
+        edges = [cuts[-1] - count, *cuts] if cyclic else [0, *cuts, count - 1]
+        return [SampleWindow(side, int(low), int(high)) for low, high in pairwise(edges)]
+
+
+def _bracket_top(window: SampleWindow, values: Array) -> Array:
+    """Three samples in a row within a window, or beside it, of which one is its highest."""
+    samples = np.arange(window.first, window.last + 1)
+    top = int(samples[int(np.argmax(values[samples % len(values)]))])
+    middle = max(min(top, window.last - 1), window.first + 1)
+    return np.array([middle - 1, middle, middle + 1])
+
+
+class Variable(NamedTuple):
+    """A number that may differ between bounds, SI."""
+
+    parameter: Parameter
+    low: float
+    high: float
+
+
+class Constraint(NamedTuple):
+    """A figure that stays between two values, SI, or at one."""
+
+    figure: NamedFigure
+    low: float
+    high: float
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether the range is a single value."""
+        return self.low == self.high
+
+    def violation(self, value: Array) -> Array:
+        """By how much values of the figure, SI, are outside of the range; 0 inside."""
+        return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
+
+
+class Pieces(NamedTuple):
+    """A figure as ``sign`` times the highest of smooth values (k,), with their derivatives (k, variables)."""
+
+    sign: float
+    values: Array
+    slopes: Array
+
+    @property
+    def top(self) -> tuple[Array, Array]:
+        """The highest value (1,) and its derivatives (1, variables)."""
+        here = slice(best := int(np.argmax(self.values)), best + 1)
+        return self.values[here], self.slopes[here]
+
+    @property
+    def value(self) -> float:
+        """The value of the figure."""
+        return self.sign * float(np.max(self.values))
+
+    def bounded_by(self, sign: float) -> tuple[Array, Array]:
+        """Smooth values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
+        if sign == self.sign:
+            return self.values, self.slopes
+        values, slopes = self.top
+        return -values, -slopes
+
+
+class Linearised(NamedTuple):
+    """A design: what the aim has to be above, and what has to be positive or zero, with their derivatives; scaled."""
+
+    aim: Array
+    aim_slopes: Array
+    inside: Array
+    inside_slopes: Array
+    equal: Array
+    equal_slopes: Array
+
+    @property
+    def violation(self) -> float:
+        """The largest relative violation of a constraint."""
+        return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
+
+
+@dataclass(frozen=True)
+class DesignProblem:
+    """Minimise the largest of the ``aims``, or with ``sign`` -1 maximise the least, over ``variables``.
+
+    Designs are points between 0 and 1, the bounds. Sizes are those of the design ``start`` from the file.
+    """
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    aims: tuple[NamedFigure, ...]
+    sign: float
+    variables: tuple[Variable, ...]
+    constraints: tuple[Constraint, ...]
+    aim_size: float
+    constraint_sizes: tuple[float, ...]
+
+    @property
+    def figures(self) -> tuple[NamedFigure, ...]:
+        """The aims and the constrained figures."""
+        return (*self.aims, *(figure.figure for figure in self.constraints))
+
+    @cached_property
+    def maxima(self) -> LocalMaxima:
+        """Finds the local maxima of every signal side that an aim or a constraint is made of, for any design."""
+        every = [side for figure in self.figures for side in sides(figure.figure)]
+        return LocalMaxima(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
+
+    @cached_property
+    def low(self) -> Array:
+        """Lower bounds, SI."""
+        return np.array([variable.low for variable in self.variables])
+
+    @cached_property
+    def width(self) -> Array:
+        """The bounds' distances, SI."""
+        return np.array([variable.high - variable.low for variable in self.variables])
+
+    def numbers(self, place: Array) -> dict[str, float]:
+        """The numbers, SI, by name of the design at a place (variables,), 0 to 1 between the bounds."""
+        values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
+        return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
+
+    def windows(self, place: Array) -> tuple[SampleWindow, ...]:
+        """Windows around the local maxima of the design at a place; raises AssemblyError."""
+        return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
+
+    def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
+        """Aim and constraints of a design with derivatives, a row for each window; raises AssemblyError."""
+        pieces = self._pieces_of_figures(place, windows)
+        aims = [piece.bounded_by(self.sign) for piece in pieces[: len(self.aims)]]
+        inside, equal = [], []
+        for figure, entry, size in zip(self.constraints, pieces[len(self.aims) :], self.constraint_sizes, strict=True):
+            if figure.is_equal:
+                values, slopes = entry.top
+                equal.append(((entry.sign * values - figure.low) / size, entry.sign * slopes / size))
+                continue
+            for sign, bound in ((1.0, figure.high), (-1.0, -figure.low)):
+                if np.isfinite(bound):
+                    values, slopes = entry.bounded_by(sign)
+                    inside.append(((bound - values) / size, -slopes / size))
+        values, slopes = self._stacked(aims)
+        return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
+
+    def _stacked(self, parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+        if not parts:
+            return np.empty(0), np.empty((0, len(self.variables)))
+        return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
+
+    def _pieces_of_figures(self, place: Array, windows: tuple[SampleWindow, ...]) -> list[Pieces]:
+        """The pieces of every aim and constrained figure at a place; raises AssemblyError."""
+        numbers = self.numbers(place)
+        heights: dict[SignalExtreme, tuple[Array, Array]] = {}
+        if windows:
+            values, slopes = self.maxima.heights(numbers, windows)
+            for side in self.maxima.sides:
+                rows = [row for row, window in enumerate(windows) if window.side == side]
+                heights[side] = values[rows], slopes[rows] * self.width
+        plain = [figure.figure for figure in self.figures if not sides(figure.figure)]
+        smooth = {}
+        if plain:
+            values, slopes = self.motion.gradients(self.mechanism, numbers, plain)
+            smooth = {
+                figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
+            }
+        return [
+            smooth[figure.figure] if figure.figure in smooth else _figure_pieces(figure.figure, heights)
+            for figure in self.figures
+        ]
+
+    def sample_designs(self, places: Array, angles: Array) -> Array:
+        """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
+
+        Nan where a design cannot be assembled; extremes are those of the sampled angles.
+        """
+        values = self.low + self.width * places
+        named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
+        figures = [figure.figure for figure in self.figures]
+        array = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
+        aim = np.max(self.sign * array[: len(self.aims)], axis=0) / self.aim_size
+        missed = [figure.violation(row) / size for figure, row, size in
+                  zip(self.constraints, array[len(self.aims) :], self.constraint_sizes, strict=True)]  # fmt: skip
+        return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
+
+
+def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
+    """The pieces of a figure, from the local maxima of its sides and their derivatives."""
+    parts = [heights[side] for side in sides(figure)]
+    if effective_reduction(figure) is Reduction.RANGE:
+        (up, up_slopes), (down, down_slopes) = parts
+        slopes = up_slopes[:, None] + down_slopes[None]
+        return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
+    sign = -1.0 if figure.reduction is Reduction.MIN else 1.0
+    return Pieces(sign, np.concatenate([values for values, _ in parts]), np.vstack([values for _, values in parts]))
+
+
+# Bounds and constraints as typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``.
+
+PERCENT_RANGE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
+NOT_NEGATIVE: Final = ("mass", "inertia")
+
+
+def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
+    """The numbers to be varied, the driver's ``speed``, SI, among them.
+
+    Raises LinkproofError for malformed bounds, UnknownNameError for a name.
+    """
+    if not texts:
+        raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
+    result: dict[str, Variable] = {}
+    for text in texts:
+        name, mark, bounds = text.rpartition("=")
+        if not mark:
+            raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
+        number = parameter(linkage, name.strip(), speed)
+        if number.name in result:
+            raise LinkproofError(f"--over: expected each number once, got {number.name} twice; leave one out")
+        result[number.name] = Variable(number, *_bounds(number, bounds))
+    return tuple(result.values())
+
+
+def _bounds(number: Parameter, text: str) -> tuple[float, float]:
+    """The bounds of a number, SI, as typed; raises LinkproofError for malformed or impossible ones."""
+    share = PERCENT_RANGE.fullmatch(text)
+    if share is not None:
+        part = 0.01 * float(share["percent"])
+        low, high = sorted((number.value * (1.0 - part), number.value * (1.0 + part)))
+    else:
+        ends = text.split(":")
+        if len(ends) != 2:
+            raise LinkproofError(f"--over {number.name}: expected LOW:HIGH or ±10%, got '{text}'; correct it")
+        low, high = map(number.si, ends)
+    if not low < high:
+        about = f"; {number.name} is {number.value / number.unit.size:g}" if share else ""
+        raise LinkproofError(f"--over {number.name}: expected LOW below HIGH, got '{text}'{about}; correct it")
+    if number.kind in NOT_NEGATIVE and low < 0.0:
+        raise LinkproofError(f"--over {number.name}: expected bounds that are not negative, got '{text}'; correct it")
+    if number.kind == SPEED and low <= 0.0:
+        raise LinkproofError(f"--over speed: expected bounds above 0, got '{text}'; --clockwise turns the other way")
+    return low, high
+
+
+def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
+    """The constrained figures, each with the text of its values; None where the file's value is to stay."""
+    result: dict[NamedFigure, str | None] = {}
+    for text in texts:
+        name, mark, values = text.rpartition("=")
+        has_values = bool(mark) and not part_figure(text)[1].startswith(
+            "."
+        )  # else the sign is one of the figure's name
+        figures = named_figures(mechanism, [(name if has_values else text).strip()])
+        result |= dict.fromkeys(figures, values if has_values else None)
+    return result
+
+
+def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
+    """A constraint to a value or a range, either end of which may be left out; to ``file_value``, SI, without one."""
+    if text is None:
+        return Constraint(figure, file_value, file_value)
+    ends = text.split(":")
+    numbers = [_read_bound(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
+    low, high = numbers * 2 if len(ends) == 1 else numbers[:2] if len(ends) == 2 else (math.nan, math.nan)
+    if len(ends) == 1 and not text.strip():
+        low = math.nan
+    if not low <= high or low == -high == -math.inf:
+        raise LinkproofError(
+            f"--keep {figure.name}: expected LOW:HIGH, LOW:, :HIGH or a value, got '{text}'; correct it, "
+            "or give the name alone to keep what the file has"
+        )
+    return Constraint(figure, low * figure.unit.size, high * figure.unit.size)
+
+
+def _read_bound(figure: NamedFigure, text: str, open_end: float) -> float:
+    """A bound of a constraint in the file's unit, ``open_end`` where nothing is typed; raises LinkproofError."""
+    if not text.strip():
+        return open_end
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        unit = f" of {figure.unit.name}" if figure.unit.name else ""
+        raise LinkproofError(f"--keep {figure.name}: expected finite numbers{unit}, got '{text}'; correct it")
+    return number

@@ -1,0 +1,287 @@
+"""Local search for the least aim of a problem, with its cost and the residual of its optimality conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError
+from comparisons.designer.problem import ALLOWED_EXCESS, DesignProblem, Linearised, SampleWindow
+
+Array = NDArray[np.float64]
+
+ROUNDS: Final = 15
+SETTLED: Final = 1e-10  # by which a round has to lower the aim for another one as wide
+STATIONARY: Final = 1e-7  # residual of a design from which no way leads down
+SMALLEST: Final = 1e-6  # part of the bounds in which a lower design is still looked for
+STEPS: Final = 60
+APART: Final = 1e-6  # shares of the aim by which two ends are different
+OUT_OF_REACH: Final = 10.0  # penalty, scaled, of a design that cannot be assembled
+ACTIVE: Final = 1e-7
+INDEPENDENT: Final = 1e-9  # scaled slope from which a constrained figure depends on the variables
+
+
+@dataclass
+class Counter:
+    """How many designs a search has evaluated: with derivatives, and sampled."""
+
+    gradients: int = 0
+    sampled: int = 0
+    beyond: int = 0  # of those with derivatives, how many could not be assembled
+
+
+@dataclass(frozen=True)
+class End:
+    """End of a search from one design: scaled aim, and the largest violation of a constraint."""
+
+    place: Array
+    aim: float
+    violation: float
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether all constraints hold."""
+        return self.violation <= ALLOWED_EXCESS
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Sort key of ends, the best first: violation, then aim."""
+        return (0.0, self.aim) if self.is_feasible else (self.violation, self.aim)
+
+
+@dataclass
+class Descent:
+    """Local search with SLSQP in rounds, each with the local maxima of its start; ends when no round lowers the aim."""
+
+    problem: DesignProblem
+    counter: Counter = field(default_factory=Counter)
+
+    def run(self, start: Array) -> End | None:
+        """The end of a search from a design; None where that cannot be assembled."""
+        try:
+            end = self.end(start)
+        except AssemblyError:
+            return None
+        radius = 1.0
+        for _ in range(ROUNDS):
+            result = self._search_round(end, radius)
+            gain = (
+                -np.inf
+                if result is None
+                else end.violation - result.violation
+                if end.violation > ALLOWED_EXCESS
+                else end.aim - result.aim
+            )
+            if result is not None and result.rank < end.rank:
+                end = result
+            if gain < SETTLED:
+                radius *= 0.1
+            done = self.residual(end.place) < STATIONARY if end.is_feasible else gain < SETTLED
+            if done or radius < SMALLEST:
+                break
+        return end
+
+    def residual(self, place: Array) -> float:
+        """How far a design is from Karush's, Kuhn's and Tucker's conditions: the slope that still leads down.
+
+        It is the change of the aim, as a share of it, over the whole of the bounds: the shortest combination of the
+        gradients of the highest local maxima with those of the constraints and of the active bounds.
+        """
+        from scipy.optimize import nnls  # noqa: PLC0415
+
+        here = self.linearise(place, self.problem.windows(place))
+        aims = here.aim_slopes[here.aim > np.max(here.aim) - ACTIVE]
+        eye = np.eye(len(place))
+        walls = [here.inside_slopes[here.inside < ACTIVE], here.equal_slopes, -here.equal_slopes,
+                 eye[place < ACTIVE], -eye[place > 1.0 - ACTIVE]]  # fmt: skip
+        normals = np.vstack(walls)
+        matrix = np.vstack([np.vstack([aims, -normals]).T, np.append(np.ones(len(aims)), np.zeros(len(normals)))])
+        shares, _ = nnls(matrix, np.append(np.zeros(len(place)), 1.0))
+        shares /= np.sum(shares[: len(aims)]) or 1.0
+        return float(np.linalg.norm(matrix[:-1] @ shares))
+
+    def end(self, place: Array) -> End:
+        """The design at a place as the end of a search; raises AssemblyError."""
+        here = self.linearise(place, self.problem.windows(place))
+        return End(place, float(np.max(here.aim)), here.violation)
+
+    def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
+        """The design at a place, linearised and counted; raises AssemblyError."""
+        self.counter.gradients += 1
+        return self.problem.linearise(place, windows)
+
+    def _search_round(self, end: End, radius: float) -> End | None:
+        """The end of SLSQP within a radius; the aim is a variable of its own, above all local maxima."""
+        from scipy.optimize import minimize  # noqa: PLC0415
+
+        designs = _CachedDesigns(self, end.place)
+        column = np.append(np.zeros(len(end.place)), 1.0)
+
+        def above(z: Array) -> Array:
+            here = designs(z[:-1])
+            return np.concatenate([z[-1] - here.aim, here.inside])
+
+        def above_slopes(z: Array) -> Array:
+            here = designs(z[:-1])
+            aim = np.column_stack([-here.aim_slopes, np.ones(len(here.aim))])
+            return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
+
+        limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
+        free = independent(designs(end.place).equal_slopes)
+        if free:
+            limits.append({
+                "type": "eq",
+                "fun": lambda z: designs(z[:-1]).equal[free],
+                "jac": lambda z: np.column_stack([designs(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
+            })  # fmt: skip
+        box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
+        result = minimize(
+            lambda z: z[-1], np.append(end.place, end.aim), jac=lambda _: column, bounds=[*box, (None, None)],
+            constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": 1e-15},
+        )  # fmt: skip
+        place = np.asarray(result.x[:-1])
+        try:
+            return self.end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
+        except AssemblyError:
+            return None
+
+
+def independent(slopes: Array) -> list[int]:
+    """A largest set of linearly independent rows of slopes (n, variables); a figure that nothing moves is left out."""
+    rows: list[int] = []
+    for row in range(len(slopes)):
+        if np.linalg.matrix_rank(slopes[[*rows, row]], tol=INDEPENDENT) > len(rows):
+            rows.append(row)
+    return rows
+
+
+class _CachedDesigns:
+    """Designs of one round by their place, worked out once; infeasible designs get a large penalty."""
+
+    def __init__(self, descent: Descent, start: Array) -> None:
+        self.descent, self.windows = descent, descent.problem.windows(start)
+        self.last, self.designs = start, descent.linearise(start, self.windows)
+        self.good = self.designs
+
+    def __call__(self, place: Array) -> Linearised:
+        if not np.array_equal(place, self.last):
+            self.last = place.copy()
+            try:
+                self.designs = self.good = self.descent.linearise(place, self.windows)
+            except AssemblyError:
+                self.descent.counter.beyond += 1
+                far = self.good
+                self.designs = far._replace(
+                    aim=far.aim + OUT_OF_REACH, inside=far.inside - OUT_OF_REACH, equal=far.equal + OUT_OF_REACH
+                )
+        return self.designs
+
+
+# Searches for the least of a problem: downhill from one design or several, or over all of the bounds.
+
+ANGLES: Final = 90  # crank angles at which designs are sampled, before the best are searched from
+SAMPLES: Final = 4096  # designs sampled over all of the bounds, times a power of two for each variable beyond two
+MOST_SAMPLES: Final = 65_536
+PICKED: Final = 12  # of them, from which is searched downhill
+AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
+RESTARTS: Final = 8  # designs to start from where the search from the file's design ends at none that is allowed
+SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
+SEED: Final = 0  # of the Sobol sequence
+PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
+Announce = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Search:
+    """The ends of searches from several designs, the first from the file's; None where one cannot be assembled."""
+
+    method: str
+    ends: tuple[End | None, ...]
+    counter: Counter
+    residual: float
+
+    @property
+    def best(self) -> End | None:
+        """The lowest end that meets the constraints; else the end with the least violation."""
+        return _best_end(self.ends)
+
+    @property
+    def elsewhere(self) -> tuple[End, ...]:
+        """Ends that are higher than the best, or violate a constraint."""
+        return _other_ends(self.ends)
+
+
+def _best_end(ends: Sequence[End | None]) -> End | None:
+    """The end with the best rank; None where no design could be assembled."""
+    return min((end for end in ends if end is not None), key=lambda end: end.rank, default=None)
+
+
+def _other_ends(ends: Sequence[End | None]) -> tuple[End, ...]:
+    """Ends that are higher than the best, or violate a constraint."""
+    best = _best_end(ends)
+    return tuple(
+        end for end in ends if best is not None and end is not None
+        and (not end.is_feasible or end.aim > best.aim + APART * max(1.0, abs(best.aim)))
+    )  # fmt: skip
+
+
+def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
+    """Search from the file's design ``start``, and ``everywhere`` from the best of a Sobol sample.
+
+    Not all of these are searched from where the first few searches have ended at the same. Where the file's design
+    leads to none that is allowed, a few others of the sequence are tried.
+    """
+    counter = Counter()
+    descent = Descent(problem, counter)
+    others = _pick_starts(problem, counter) if everywhere else []
+    ends: list[End | None] = []
+    for number, place in enumerate([start, *others]):
+        announce(f"search {number + 1}", number, 1 + len(others))
+        ends.append(descent.run(place))
+        if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
+            break
+    if len(ends) == 1 and (ends[0] is None or not ends[0].is_feasible):
+        for place in _draw_starts(problem, counter):
+            ends.append(descent.run(place))
+            if ends[-1] is not None and ends[-1].is_feasible:
+                break
+    method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
+    result = Search(method, tuple(ends), counter, np.nan)
+    best = result.best
+    if best is None:
+        return result
+    return replace(result, residual=descent.residual(best.place))
+
+
+def _draw_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
+    """Places to start from: the first designs of a Sobol sequence that can be assembled."""
+    places, merits = _sample_merits(problem, counter, 16 * RESTARTS)
+    return list(places[np.isfinite(merits)][:RESTARTS])
+
+
+def _pick_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
+    """Places to start from: the best designs of a Sobol sample, no two of them near each other."""
+    count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
+    places, merits = _sample_merits(problem, counter, count)
+    picked: list[Array] = []
+    for number in np.argsort(merits):
+        if len(picked) == PICKED or not np.isfinite(merits[number]):
+            break
+        if all(np.max(np.abs(places[number] - values)) > SPACED for values in picked):
+            picked.append(places[number])
+    return picked
+
+
+def _sample_merits(problem: DesignProblem, counter: Counter, count: int) -> tuple[Array, Array]:
+    """Designs of a Sobol sequence (designs, variables), and how low they are: nan where they cannot be assembled."""
+    from scipy.stats import qmc  # noqa: PLC0415
+
+    places = qmc.Sobol(len(problem.variables), rng=SEED).random_base2(int(np.ceil(np.log2(count))))
+    counter.sampled += len(places)
+    angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
+    aim, violation = problem.sample_designs(places, angles)
+    return np.asarray(places, dtype=float), np.asarray(aim + PENALTY * violation)

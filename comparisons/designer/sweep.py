@@ -1,0 +1,366 @@
+"""Figures over a space of designs, the grid of several ranges or a list, and which designs have the extremes.
+
+The designs of a grid are numbered in C order, its last axis fastest. Values are in the units of the linkage's file.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED, with_numbers
+from analytic.description.linkage import Linkage
+from analytic.designs.figures import STROKE
+from analytic.designs.results import usual_path
+from analytic.errors import AssemblyError, LinkproofError, shortened
+from analytic.files import read_file
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import names
+from comparisons.designer.parameters import (
+    NamedFigure,
+    OpenEndFigures,
+    Parameter,
+    SteadyMotion,
+    loads_that_stay,
+    named_figures,
+    open_end_figures,
+    parameter,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+
+Array = NDArray[np.float64]
+
+MOST: Final = 2 * 10**7  # values of an axis, and figures of all designs together: they are in memory
+ONE_BY_ONE: Final = "design"  # the dimension of a list
+RANGE_FORM: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """The grid of every combination of the ``columns``, the values of each parameter; or their rows, a list."""
+
+    parameters: tuple[Parameter, ...]
+    columns: tuple[Array, ...]
+    is_list: bool = False
+
+    def __post_init__(self) -> None:
+        names = [number.name for number in self.parameters]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Designs along each dimension."""
+        return (len(self.columns[0]),) if self.is_list else tuple(map(len, self.columns))
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of the dimensions: the parameters of a grid."""
+        return (ONE_BY_ONE,) if self.is_list else tuple(number.name for number in self.parameters)
+
+    @property
+    def ends(self) -> Array:
+        """Least and largest value of every parameter, (parameters, 2), in the file's units."""
+        return np.array([[np.min(values), np.max(values)] for values in self.columns])
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return math.prod(self.shape)
+
+    def file_values(self, first: int, last: int) -> Array:
+        """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
+        if self.is_list:
+            return np.stack([values[first:last] for values in self.columns])
+        places = np.unravel_index(np.arange(first, last), self.shape)
+        return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
+
+    def block(self, first: int, last: int) -> dict[str, Array]:
+        """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
+        values = self.file_values(first, last)
+        return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
+
+
+def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
+    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
+
+    Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
+    """
+    name, equals, ends = text.rpartition("=")
+    words = ends.split(":")
+    if not equals or len(words) != 3:
+        raise LinkproofError(f"--vary: expected {RANGE_FORM}, got '{text}'; correct it")
+    number = parameter(linkage, name.strip())
+    first, last = (number.in_file(word) for word in words[:2])
+    count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
+    if not 1 <= count <= MOST:
+        raise LinkproofError(
+            f"--vary {name}: expected a number of values from 1 to {MOST:.0e}, got '{words[2]}'; write {RANGE_FORM}"
+        )
+    if (count == 1) != (first == last) or not math.isfinite(last - first):
+        raise LinkproofError(
+            f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
+            f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
+        )
+    return number, np.linspace(first, last, count)
+
+
+# Designs as a table in a CSV file: a column per parameter, a row per design.
+
+LARGEST_TABLE: Final = 1 << 27  # bytes
+OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
+
+
+def read_table(path: Path, linkage: Linkage) -> DesignSpace:
+    """The table of a file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
+
+    Raises UnknownNameError for an unknown column or unit, LinkproofError for a file that cannot be read and
+    rows that are no designs.
+    """
+    import pandas  # noqa: PLC0415 - half a second that only a table pays for
+
+    start = f"--table '{path}': expected"
+    content = read_file(path, "a table of designs", LARGEST_TABLE)
+
+    def read(rows: int | None = None) -> pandas.DataFrame:
+        return pandas.read_csv(
+            io.BytesIO(content), header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
+            encoding="utf-8-sig", nrows=rows,
+        )  # fmt: skip
+
+    try:
+        columns = _read_head(start, read(1).iloc[0].tolist(), linkage)
+        cells = read().fillna("")
+    except UnicodeDecodeError as error:
+        raise LinkproofError(f"{start} text in UTF-8, got other bytes; save it as CSV") from error
+    except pandas.errors.EmptyDataError as error:
+        raise LinkproofError(f"{start} a head that names parameters, got an empty file; add it") from error
+    except pandas.errors.ParserError as error:
+        why = str(error).removeprefix("Error tokenizing data. C error: ").strip()
+        raise LinkproofError(f"{start} a cell per column in every row, got other rows: {why}; correct it") from error
+    rows = cells.iloc[1:].apply(lambda column: column.str.strip())
+    rows = rows[(rows != "").any(axis=1)]  # lines without a design count for nothing
+    if rows.empty:
+        raise LinkproofError(f"{start} a head that names parameters and a row per design below, got none; add some")
+    wrong = np.argwhere(~np.isfinite(rows.apply(pandas.to_numeric, errors="coerce").to_numpy(dtype=float)))
+    if len(wrong):
+        row, column = wrong[0]
+        got = f"'{shortened(rows.iat[row, column])}'" if rows.iat[row, column] else "nothing"
+        raise LinkproofError(
+            f"{start} a finite number in line {rows.index[row] + 1}, column {columns[column][0].name}, got {got}; "
+            "correct it"
+        )
+    exact = rows.to_numpy(dtype=object).astype(float)  # to_numeric is off by a last digit here and there
+    values = exact.T * np.array([size for _, size in columns])[:, None]
+    return DesignSpace(tuple(number for number, _ in columns), tuple(values), is_list=True)
+
+
+def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
+    """The parameters of a head, each with the size of its column's unit in that of the linkage's file."""
+    if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in names[0]), None)):
+        raise LinkproofError(f"{start} commas between columns, and points in numbers, got {other}; save it so")
+    if not any(name.strip() for name in names):
+        raise LinkproofError(f"{start} a head that names parameters, got an empty line; add it")
+    columns = []
+    for number, cell in enumerate(names, start=1):
+        if not cell.strip():
+            raise LinkproofError(
+                f"{start} a parameter's name over every column, got nothing over column {number}; add it, or leave the "
+                "column out"
+            )
+        name, bracket, unit = cell.strip().partition("[")
+        entry = parameter(linkage, name.strip())
+        size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
+        columns.append((entry, size))
+    return columns
+
+
+USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
+PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
+LARGEST: Final = 200_000  # designs of a block, of which a few arrays are in memory
+REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """Which figures of which designs of a linkage, and under which motion, described by ``conditions``.
+
+    ``path`` is as for ``design_figures``; the paths differ by rounding, so that one does all blocks.
+    """
+
+    linkage: Linkage
+    space: DesignSpace
+    figures: tuple[NamedFigure, ...]
+    motion: SteadyMotion
+    refine: bool = False
+    conditions: str = ""
+    path: str = "auto"
+
+    @property
+    def numbers_of_file(self) -> dict[str, float]:
+        """Numbers of the linkage's file, SI, by parameter; the speed is the motion's."""
+        return {
+            parameter.name: abs(self.motion.speed) if parameter.kind == SPEED else parameter.value
+            for parameter in self.space.parameters
+        }
+
+    @property
+    def at_open_end(self) -> OpenEndFigures:
+        """The figures of the file's own design whose extremes lie at an open end of the motion."""
+        return open_end_figures(Mechanism(self.linkage), self.motion, self.figures)
+
+    @property
+    def loads_that_stay(self) -> str:
+        """A sentence on loads over the crank angle while the dead centres of the first or the last design move."""
+        ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
+        designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
+        return loads_that_stay(Mechanism(self.linkage), designs)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader of the figures has to know."""
+        return [*filter(None, (self.at_open_end.sentence, self.loads_that_stay))]
+
+
+@dataclass(frozen=True)
+class SweepStudy:
+    """The figures of all designs, ``values`` (figures, designs), and the ``own`` (figures,) of the linkage's file.
+
+    They are in the units of the file, and nan where a design does not assemble.
+    """
+
+    request: SweepRequest
+    own: Array
+    values: Array
+
+    @cached_property
+    def assembles(self) -> NDArray[np.bool_]:
+        """Which designs assemble at every angle, (designs,)."""
+        return np.asarray(~np.all(np.isnan(self.values), axis=0))
+
+    @property
+    def reach(self) -> Array:
+        """Least and largest value of each parameter among the designs that assemble, (parameters, 2)."""
+        shown = self.request.space.file_values(0, len(self.assembles))[:, self.assembles]
+        return np.stack([np.min(shown, axis=1), np.max(shown, axis=1)], axis=1)
+
+    def extreme(self, figure: int, way: float) -> int | None:
+        """The number of the first design with the largest of a figure, or with ``way`` -1 the least; None without."""
+        heights = np.where(np.isfinite(self.values[figure]), way * self.values[figure], -np.inf)
+        place = int(np.argmax(heights))
+        return place if np.isfinite(heights[place]) else None
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """All designs with names and units."""
+        space = self.request.space
+        columns = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
+        return labelled_dataset(self.request, columns, self.values.reshape(-1, *space.shape))
+
+
+def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
+    """The figures where nobody names any: peaks of torque, forces and transmission angles, and the stroke."""
+    signals = names(mechanism)
+    usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in signals)]
+    return named_figures(mechanism, [*usual, *([STROKE] if "S" in signals else [])])
+
+
+def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = lambda *_: None) -> SweepStudy:
+    """Compute the figures of a space, block by block; ``announce`` hears how many designs are finished.
+
+    Raises LinkproofError where the space has values that no design can.
+    """
+    own, count = figures_of_file(request), request.space.count
+    cost = len(request.motion.places) * (REFINED if request.refine else 1)
+    size = min(max(1, PLACES // cost), LARGEST)
+    path = usual_path([figure.figure for figure in request.figures], count * len(request.motion.places))
+    values = np.empty((len(request.figures), count))
+    for first in range(0, count, size):
+        last = min(first + size, count)
+        values[:, first:last] = sweep_block(replace(request, path=path), first, last)
+        announce("designs", last, count)
+    return SweepStudy(request, own, values)
+
+
+def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
+    """Figures of the designs from number ``first`` up to ``last``, (figures, designs), in the units of the file."""
+    return _compute_figures(request, request.space.block(first, last))
+
+
+def _compute_figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
+    """Figures (figures, designs) of numbers (designs,), SI, by name, in the units of the file."""
+    figures = [figure.figure for figure in request.figures]
+    values = request.motion.figures(
+        Mechanism(request.linkage), numbers, figures, refine=request.refine, path=request.path
+    )
+    return np.asarray(values / np.array([figure.unit.size for figure in request.figures])[:, None])
+
+
+def figures_of_file(request: SweepRequest) -> Array:
+    """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion.
+
+    Raises LinkproofError where the space has values that no design can.
+    """
+    for number, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
+        if number.kind == SPEED and least <= 0.0 <= most:
+            raise LinkproofError(
+                f"{number.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it"
+            )
+        if number.kind in ("mass", "inertia") and least < 0.0:
+            raise LinkproofError(
+                f"{number.name}: expected no negative {number.kind}, got {least:g} {number.unit.name}; "
+                "correct the range"
+            )
+    design = {name: np.array([value]) for name, value in request.numbers_of_file.items()}
+    return _compute_figures(replace(request, path="numpy"), design)[:, 0]
+
+
+def reason_not_assembled(request: SweepRequest) -> str:
+    """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
+    mechanism = Mechanism(request.linkage)
+    first = request.space.block(0, 1)
+    design = {name: float(values[0]) for name, values in first.items()}
+    try:
+        moved = mechanism.redesigned(with_numbers(mechanism.linkage, design)).sweep(request.motion.places)
+        for body in mechanism.structure.bodies:
+            moved.rates(body)
+    except AssemblyError as error:
+        return str(error)
+    stands = np.all(np.isnan(_compute_figures(replace(request, path="numpy"), first)))
+    return f"'{mechanism.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""
+
+
+def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: Any) -> xarray.Dataset:  # noqa: ANN401
+    """``values`` of the parameters and ``figures`` (figures, *shape), arrays of any kind, with names and units."""
+    import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
+
+    over = request.space.dimensions
+    units = {parameter.name: {"units": parameter.unit.name} for parameter in request.space.parameters}
+    return xarray.Dataset(
+        {
+            figure.name: (over, row, {"units": figure.unit.name})
+            for figure, row in zip(request.figures, figures, strict=True)
+        },
+        coords={name: (name if name in over else ONE_BY_ONE, entry, units[name]) for name, entry in values.items()},
+        attrs={
+            **({"open_ends": request.at_open_end.sentence} if request.at_open_end.names else {}),
+            "mechanism": request.linkage.name,
+            "variant": request.linkage.variant,
+            "conditions": request.conditions,
+            "angles": len(request.motion.places),
+            "refined": int(request.refine),
+        },
+    )

@@ -1,1 +1,0 @@
-"""Faults of a simulation: one list, from which faults are planted, fitted to curves and ranked."""

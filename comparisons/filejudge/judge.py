@@ -1,0 +1,447 @@
+"""Results of a tool that cannot be called, judged: aligned with the crank's motion, compared, their causes named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from analytic.description.linkage import Linkage
+from analytic.description.written import file_unit
+from analytic.errors import LinkproofError
+from analytic.signals import names, table, unit
+from comparisons.filejudge.column_faults import Evidence
+from comparisons.filejudge.columns import Column, ImportedResults, ImportedSignal
+from comparisons.filejudge.crank_column import (
+    SPREAD,
+    ColumnMotion,
+    even_instants,
+    motion_of_angles,
+    motion_of_speeds,
+    unwrap_angles,
+)
+from comparisons.filejudge.fault import ChangedMotion, Correction, SignalTimes, Simulation, holds_acceleration, is_angle
+from comparisons.filejudge.fault_ranking import Explanation, explain, proposals
+from comparisons.filejudge.setting_faults import CrankColumn
+from comparisons.motion.case import Motion
+from comparisons.trials.judging.quantities import Deviation, near_jump, near_jumps
+from comparisons.trials.judging.records import IMPORTED, Error, Verdict
+
+Array = NDArray[np.float64]
+
+NEIGHBOURS: Final = 8  # a share of the samples that are near one another
+
+FEWEST: Final = 2  # samples of a signal that can be judged
+FINE: Final = 2000  # instants by which a curve is looked at between few samples
+SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
+
+
+@dataclass(frozen=True)
+class Samples(SignalTimes):
+    """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``."""
+
+    values: Array
+    rounding: Array
+    time_rounding: Array
+    imported: ImportedSignal
+
+
+def rounding_floors(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
+    floors = []
+    likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
+    others = [model.with_motion(motion).predict(samples) for motion in likewise]
+    early, late = (model.predict([_shift_times(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
+    for number, signal in enumerate(samples):
+        by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
+        apart = [
+            np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
+        ]
+        by_angle = _largest_nearby(apart, model.motion) if apart else 0.0
+        floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
+    return floors
+
+
+def _largest_nearby(differences: Sequence[Array], motion: Motion) -> Array:
+    """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
+    largest = np.max(differences, axis=0)
+    if not (isinstance(motion, ColumnMotion) and motion.is_known):
+        return np.full(len(largest), np.max(largest))
+    size = max(1, len(largest) // NEIGHBOURS)
+    return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
+
+
+def _shift_times(signal: Samples, sign: float) -> Samples:
+    """A signal at its earliest (-1) or latest (1) times within their rounding."""
+    return replace(signal, time=signal.time + sign * signal.time_rounding)
+
+
+def jump_sizes(model: Simulation, signal: Samples) -> Array:
+    """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
+    sizes = np.zeros(len(signal.time))
+    if not holds_acceleration(signal.name):
+        return sizes
+    for jump in model.motion.jumps:
+        at_rest = model.with_motion(ChangedMotion(model.motion, order=0))  # as the crank is before the start
+        earlier = model if jump > 0.0 else at_rest
+        (after,) = model.predict([replace(signal, time=np.array([jump]))])
+        (before,) = earlier.predict([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
+        size = float((after - before)[0]) or np.finfo(float).tiny
+        larger = near_jump(signal.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
+        sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
+    return sizes
+
+
+DEFAULT_LIMIT: Final = 0.01
+# A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes
+# zero has no peak of its own.
+NEAR_ZERO: Final = 0.01
+SETTING: Final = IMPORTED
+
+
+@dataclass(frozen=True)
+class SignalVerdict:
+    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``, in ``unit``.
+
+    ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
+    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
+    jump of the crank's acceleration are not ``counted``: their errors count beyond the jump's size, those that are
+    still over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown``
+    is the unit of the linkage's file and its SI value.
+    """
+
+    samples: Samples
+    truth: Array
+    open: Array
+    counted: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    unit: str
+    scale: float
+    near_zero: bool
+    limit: float
+    error_max: float
+    error_rms: float
+    worst: int
+    worst_angle: float
+    truth_there: float
+    outcome: Verdict
+    shown: tuple[str, float]
+
+    @property
+    def name(self) -> str:
+        """The signal's name."""
+        return self.samples.name
+
+    @property
+    def floor(self) -> float:
+        """The rounding over the scale."""
+        return float(np.max(self.open[self.counted], initial=0.0)) / self.scale
+
+    @property
+    def evidence(self) -> Evidence:
+        """The signal as evidence, to which causes of its difference are fitted."""
+        own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
+        alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
+        return Evidence(
+            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown
+        )
+
+    @property
+    def worst_time(self) -> float:
+        """Instant of the largest error, s."""
+        return float(self.samples.time[self.worst])
+
+    @property
+    def value_there(self) -> float:
+        """The file's value, SI, at the largest error."""
+        return float(self.samples.values[self.worst])
+
+    @property
+    def left_out(self) -> int:
+        """Samples at a jump, whose errors count beyond its size."""
+        return int(np.sum(~self.counted))
+
+    @property
+    def detail(self) -> str:
+        """Why the signal did not pass; "" where it did."""
+        if self.outcome is Verdict.PASSED:
+            return ""
+        if self.outcome is Verdict.UNDEFINED:
+            if not self.counted.any():
+                return "every sample lies at a jump of the crank's acceleration: export a longer run"
+            return (
+                "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
+                "digits, or say how it moves with --regime"
+            )
+        return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
+
+    def deviation(self, motion: Motion) -> Deviation:
+        """The curves of the signal, which a campaign keeps beside its record."""
+        time = self.samples.time
+        return Deviation(
+            time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
+            self.worst_time, int(np.sum(self.counted)), self.left_out,
+        )  # fmt: skip
+
+    def record(self, blank: Error) -> Error:
+        """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
+        judged = self.outcome is not Verdict.UNDEFINED
+        return blank._replace(
+            quantity=self.name,
+            unit=self.unit,
+            error_max=self.error_max if judged else None,
+            error_rms=self.error_rms if judged else None,
+            limit=self.limit,
+            outcome=self.outcome.value,
+            detail=self.detail,
+            peak=self.scale,
+            worst_time=self.worst_time,
+            samples=int(np.sum(self.counted)),
+            left_out=self.left_out,
+            origin=IMPORTED,
+        )
+
+
+def judge_signals(
+    model: Simulation, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+) -> list[SignalVerdict]:
+    """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
+    scales = natural_scales(model, samples, truth)
+    return [
+        _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
+        for signal, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
+    ]
+
+
+def _judge_signal(
+    model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+) -> SignalVerdict:
+    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
+    jump, in_file = jump_sizes(model, signal), file_unit(unit(signal.name, model.linkage), model.linkage)
+    counted, size = jump == 0.0, np.abs(jump)
+    peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
+    least = NEAR_ZERO * natural
+    near_zero = peak < least
+    scale = (least if near_zero else peak) or 1.0
+    error = np.maximum(np.abs(signal.values - truth) - size, 0.0)
+    worst = int(np.argmax(error))
+    over = error > limit * scale
+    sides = (float(truth[worst]), float(truth[worst] + jump[worst]))
+    outcome = Verdict.PASSED
+    if np.any(over & (error > open_)):
+        outcome = Verdict.OVER_LIMIT
+    elif np.any(over & (error > signal.rounding)) or not counted.any():
+        outcome = Verdict.UNDEFINED  # the uncertainty of the crank's motion is over the limit
+    return SignalVerdict(
+        samples=signal,
+        truth=truth,
+        open=open_,
+        counted=counted,
+        over=over & ~counted,
+        unit=unit(signal.name, model.linkage),
+        scale=scale,
+        near_zero=near_zero,
+        limit=limit,
+        error_max=float(error[worst]) / scale,
+        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(counted)))) / scale,
+        worst=worst,
+        worst_angle=float(model.motion.angle(signal.time[worst])),
+        truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
+        outcome=outcome,
+        shown=(in_file.on_page, in_file.size),
+    )
+
+
+def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
+
+    A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
+    that are forces, and of the weights.
+    """
+    linkage, motion = model.linkage, model.motion
+    length, speed = linkage.extent(), motion.peak_speed
+    hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, 101))))) + speed**2
+    mass = sum(link.mass for link in linkage.links.values())
+    forces = [
+        float(np.max(np.abs(curve))) for signal, curve in zip(samples, truth, strict=True) if "force" in signal.name
+    ]
+    force = max(mass * float(np.hypot(*linkage.gravity)), mass * length * hardest * 0.1, *forces, 0.0)
+    torque = force * length * 0.1
+    turning = {"rad": 1.0, "rad/s": speed, "rad/s²": hardest, "J": torque, "N m": torque, "W": torque * speed}
+    scales = {**turning, "m": length, "m/s": length * speed, "m/s²": length * hardest, "N": force}
+    return [scales.get(unit(sample.name, model.linkage), 0.0) for sample in samples]
+
+
+@dataclass(frozen=True)
+class ImportedJudgement:
+    """The result of a judgement; ``motion_source`` names the source of the crank's motion.
+
+    ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
+    """
+
+    model: Simulation
+    verdicts: tuple[SignalVerdict, ...]
+    explanation: Explanation
+    not_judged: tuple[tuple[Column, str], ...]
+    imported: ImportedResults
+    motion_source: str
+    limit: float
+    missed: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def proposals(self) -> dict[str, Correction]:
+        """Corrections by the names of signals that would make them right, to be agreed to in the mapping."""
+        known = self.imported
+        columns = [signal.name for signal in known.signals] + [signal.axis for signal in known.signals]
+        return proposals(self.explanation, dict.fromkeys(columns), known.corrections)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every signal is within the limit: one that the file leaves open has not passed."""
+        return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
+
+    def without_cause(self, verdict: SignalVerdict) -> tuple[str, Array | None]:
+        """The likely cause of a signal's difference in words, and the file's values without it, (n,); "" for none.
+
+        They are nan at jumps of the crank's acceleration, where either value is accepted.
+        """
+        finding = next(
+            (fault_finding for fault_finding in self.explanation.findings if verdict.name in fault_finding.signals),
+            None,
+        )
+        if finding is None:
+            return "", None
+        fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
+        (wrong,) = fault.apply(self.model, numbers).predict([verdict.samples])
+        right = correction.get(verdict.name, Correction())
+        values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
+        return finding.likeliest.words, np.where(verdict.counted, values, np.nan)
+
+
+def judge(
+    linkage: Linkage,
+    imported: ImportedResults,
+    motion: Motion | None = None,
+    *,
+    limit: float = DEFAULT_LIMIT,
+    start_angle: float = 0.0,
+    gives_speed: bool = True,
+) -> ImportedJudgement:
+    """Compare every imported signal with the closed form at the file's own instants.
+
+    Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
+    ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
+    """
+    moved, source, crank = _crank_motion(imported, motion, start_angle)
+    model = Simulation(linkage, moved)
+    every = [_samples_of(signal, moved) for signal in imported.signals if signal is not crank]
+    _check_speed(model, every, gives_speed=gives_speed)
+    signals = [signal for signal in every if len(signal.time) >= FEWEST]
+    if not signals:
+        reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
+        raise LinkproofError(
+            f"expected a signal to judge, got none besides the crank's motion ({source}){reasons}; name columns in a "
+            "mapping, or export more of them"
+        )
+    truth = model.predict(signals)
+    signals = [_without_turns(signal, values) for signal, values in zip(signals, truth, strict=True)]
+    judged = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
+    column = None
+    if crank is not None:
+        name = "" if linkage.is_linear else crank.name
+        column = CrankColumn(name, crank.column.header, crank.column.unit, imported.units.get(crank.name, 1.0))
+    return ImportedJudgement(
+        model,
+        tuple(judged),
+        explain(model, [verdict.evidence for verdict in judged], names(model.mechanism), column),
+        (
+            *imported.not_judged,
+            *((signal.imported.column, "a single sample") for signal in every if len(signal.time) < FEWEST),
+        ),
+        imported,
+        source,
+        limit,
+        tuple(_missed_peaks(model, judged)),
+    )
+
+
+def _crank_motion(
+    imported: ImportedResults, motion: Motion | None, start_angle: float
+) -> tuple[Motion, str, ImportedSignal | None]:
+    """The crank's motion, its source in words, and the column that gives it; None where the motion is stated."""
+    signals = imported.signals
+    if motion is not None:
+        return motion, f"regime {motion.regime}", None
+    over_time = {signal.name: signal for signal in signals if signal.axis == "time"}
+    angle, speed = over_time.get("phi"), over_time.get("omega")
+    made = [(motion_of_angles(*_motion_samples(angle)), angle)] if angle else []
+    if speed and not (made and made[0][0].is_known):
+        made += [(motion_of_speeds(*_motion_samples(speed), float(angle.values[0]) if angle else start_angle), speed)]
+    if made:
+        best, column = min(made, key=lambda pair: pair[0].doubt)
+        return best, f"column '{column.column.header}'", column
+    kind = "over the crank angle" if signals and all(signal.axis == "phi" for signal in signals) else "over time"
+    cure = "--speed" if kind.endswith("angle") else "--regime"
+    raise LinkproofError(
+        f"crank's motion: expected a column of the crank's angle or speed, got signals {kind} without one; say how the "
+        f"crank moves with {cure}, or name the column in a mapping"
+    )
+
+
+def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
+    """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
+    time, open_ = even_instants(signal.at, signal.at_resolution)
+    values = unwrap_angles(signal.values) if signal.name == "phi" else signal.values
+    return time, values, signal.resolution + open_ * np.abs(np.gradient(values, time))
+
+
+def _samples_of(signal: ImportedSignal, motion: Motion) -> Samples:
+    """A signal at its times; over the crank angle those of a constant speed."""
+    at, rounding = even_instants(signal.at, signal.at_resolution)
+    if signal.axis == "phi":
+        speed = float(motion.speed(0.0))
+        at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
+        order = np.argsort(at, kind="stable")
+        return Samples(signal.name, at[order], signal.values[order], signal.resolution[order], rounding[order], signal)
+    return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal)
+
+
+def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
+    """Raise LinkproofError for moving signals over the crank angle where the user states no speed."""
+    known = table(model.mechanism)
+    over_angle = [signal.name for signal in signals if signal.imported.axis == "phi"]
+    moving = [name for name in over_angle if name not in known or not known[name].is_still]
+    if moving and not gives_speed:
+        raise LinkproofError(
+            f"{moving[0]} over the crank angle: expected the crank's speed, got none; say it with --speed, in rpm"
+        )
+
+
+def _without_turns(signal: Samples, truth: Array) -> Samples:
+    """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
+    if not is_angle(signal.name):
+        return signal
+    if signal.name.startswith("transmission_angle"):
+        return replace(signal, values=np.abs(signal.values - np.pi * np.round(signal.values / np.pi)))
+    values = unwrap_angles(signal.values)
+    turns = np.round(np.median(truth - values) / (2.0 * np.pi))
+    return replace(signal, values=values + 2.0 * np.pi * turns)
+
+
+def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
+    """Signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
+    for verdict in judged:
+        time = verdict.samples.time
+        if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
+            continue
+        between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
+        fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
+        whole = model.predict([replace(verdict.samples, time=fine)])[0]
+        peak = float(np.max(np.abs(whole)))
+        share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
+        if share > SPARSE * verdict.limit and not verdict.near_zero:
+            yield verdict.name, share

@@ -1,0 +1,1 @@
+"""A linkage under a motion of its crank: the case, its truth, its scene."""

@@ -1,0 +1,36 @@
+"""Few samples of a long curve that show as much of it as a drawing can: the extremes of its stretches."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+# A run's curve is stored by the worst sample of each of so many stretches, and by the extremes of so many of the truth.
+WORST: Final = 200
+EXTREMES: Final = 60
+
+
+def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:
+    """A curve of any length as a run has it (``CURVE`` of the store), its worst sample among its few."""
+    chosen = np.unique(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
+    return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
+
+
+def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
+    if len(values) <= 2 * stretches:
+        return np.arange(len(values))
+    ends = np.array([0, len(values) - 1])
+    return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
+
+
+def highest_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+    """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
+    size = -(-len(values) // stretches) or 1
+    starts = np.arange(0, len(values), size)
+    padded = np.full(len(starts) * size, -np.inf)
+    padded[: len(values)] = values
+    return np.asarray(starts + np.argmax(padded.reshape(-1, size), axis=1), dtype=np.intp)

@@ -1,0 +1,256 @@
+"""A campaign: every mechanism under every regime in every engine and setting, judged into records."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designer.building import bare_sheet, usual_sheet
+from comparisons.designer.sheet import Sheet
+from comparisons.motion.case import Case, case_of_file_regime, unpickle_case
+from comparisons.trials.invariants.checks import checks
+from comparisons.trials.judging.limits import LimitTable, judged_deviation, shipped_limits
+from comparisons.trials.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
+from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict, run_of
+from comparisons.trials.observed_motion import ObservedMotion
+from comparisons.trials.runs.plugins import engine
+from comparisons.trials.runs.run_engine import Failure, Lost, blamed_on, run_engine
+from comparisons.trials.runs.store import Runs
+from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, run_jobs, usual_processes
+from engines.contract import Engine, Outcome, Setting
+from engines.registry import engine_names, why_unavailable
+from engines.scene import Channel
+
+GRAVITY: Final = ", gravity "  # before "on" or "off", at the end of a motion's conditions
+
+
+@dataclass(frozen=True)
+class CampaignRequest:
+    """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
+
+    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. They
+    have settings of their own: a released crank takes many turns. No quantities means all that are results.
+    """
+
+    linkages: tuple[Linkage, ...]
+    motions: tuple[CrankMotion, ...]
+    conditions: str
+    engines: tuple[str, ...]
+    settings: tuple[Setting, ...] = (Setting.TUNED,)
+    quantities: tuple[str, ...] = ()
+    own_regimes: tuple[str, ...] = ()
+    own_settings: tuple[Setting, ...] = (Setting.TUNED,)
+    with_invariants: bool = True
+
+
+def tasks(request: CampaignRequest) -> list[Task]:
+    """The runs of a request, in a stable order; a key identifies a run as ``Error.run`` does.
+
+    Raises UnknownNameError, AssemblyError or StructureError before any run is made.
+    """
+    for name in request.engines:
+        if name not in engine_names():
+            raise UnknownNameError("engine", name, engine_names())
+    return [task for case in each_case(request) for task in _tasks(request, case)]
+
+
+def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
+    """The runs of one case: every engine in every setting."""
+    quantities = chosen_quantities(case, request.quantities)
+    # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
+    check_defined(
+        case, [quantity for quantity in quantities if not quantity.needs_thread or quantity.name in request.quantities]
+    )
+    linkage, motion = case.mechanism.linkage, case.motion
+    # Without what the check has worked out, which is a hundred times as large: there may be thousands of cases.
+    pickled = pickle.dumps(replace(case, mechanism=Mechanism(linkage)))
+    names = tuple(quantity.name for quantity in quantities)
+    turned = motion.duration * motion.peak_speed
+    for name in request.engines:
+        for setting in request.settings if case.is_prescribed else request.own_settings:
+            yield Task(
+                key=run_key(linkage, motion.regime, name, setting),
+                job=(pickled, name, setting, names, request.with_invariants),
+                label=f"{linkage.name}, {motion.regime}: {name} {setting}",
+                weight=turned * len(linkage.links),
+            )
+
+
+def run_key(linkage: Linkage, regime: str, engine_name: str, setting: Setting) -> str:
+    """The unique name of a run within a campaign."""
+    return "/".join((linkage.name, linkage.variant, regime, engine_name, setting))
+
+
+def cases(request: CampaignRequest) -> list[Case]:
+    """Every linkage under every requested motion, as a list; raises as ``each_case`` does."""
+    return list(each_case(request))
+
+
+def each_case(request: CampaignRequest) -> Iterator[Case]:
+    """Every linkage under every requested motion and in its own requested regimes, one after the other.
+
+    Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
+    """
+    own = [regime for linkage in request.linkages for regime in linkage.regimes if regime.name in request.own_regimes]
+    if not request.motions and not own:
+        names = ", ".join(f"'{linkage.name}'" for linkage in request.linkages)
+        raise LinkproofError(f"expected a regime that {names} can run in, got none of its own: ask for another regime")
+    for linkage in request.linkages:
+        conditions = f"{request.conditions}{GRAVITY}{'on' if any(linkage.gravity) else 'off'}"
+        mechanism = Mechanism(linkage)
+        for motion in request.motions:
+            yield _checked_case(Case(mechanism, motion, conditions=conditions))
+        for regime in linkage.regimes:
+            if regime.name in request.own_regimes:
+                yield _checked_case(case_of_file_regime(mechanism, regime))
+
+
+def _checked_case(case: Case) -> Case:
+    case.check_motion()
+    return case
+
+
+@dataclass(frozen=True)
+class CampaignRuns(Iterable[Run]):
+    """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back.
+
+    In every pass each is judged by the ``limits``; runs do not stay in memory.
+    """
+
+    study: Study[Run]
+    tasks: Sequence[Task]
+    bounds: Bounds
+    limits: LimitTable
+
+    def make(self) -> None:
+        """Make the runs that are not stored yet."""
+        self.study.complete(self.tasks, self.bounds)
+
+    def __iter__(self) -> Iterator[Run]:
+        return (run.judged(self.limits.judge) for run in self.study.in_order(self.tasks, self.bounds))
+
+
+def compare(
+    request: CampaignRequest,
+    announce: Announce = lambda *_: None,
+    *,
+    bounds: Bounds = DEFAULT_BOUNDS,
+    pool: Pool | None = None,
+    finished: Runs | None = None,
+    todo: Sequence[Task] = (),
+    limits: LimitTable | None = None,
+) -> CampaignRuns:
+    """The runs of a request, judged by the suite's limits or others, made in parallel as they are gone through.
+
+    ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
+    made in the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is
+    made here, unbounded. ``finished`` runs are not repeated, and every further one is stored among them. ``todo`` are
+    the request's ``tasks`` where they are known.
+
+    What ``tasks`` raises is raised at once, before the first run.
+    """
+    todo = todo or tasks(request)
+    where = pool or LocalPool(usual_processes(len(todo)))
+    study = Study(judged, lost, Run.written, Run.from_row, finished, announce, where)
+    return CampaignRuns(study, todo, bounds, limits or shipped_limits())
+
+
+def lost(failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool) -> Run:
+    """The run whose process gave no result."""
+    case = unpickle_case(pickled)
+    run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
+    return _without_motion(run, chosen_quantities(case, names), failure.outcome, failure.reason)
+
+
+def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
+    """The channels that the engine has to record."""
+    return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
+
+
+def judged(pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> Run:
+    """Run a pickled case in an engine, and judge the quantities of these ``names``."""
+    case, adapter = unpickle_case(pickled), engine(engine_name)
+    quantities = chosen_quantities(case, names)
+    with blamed_on(adapter):
+        version, absent = adapter.version(), why_unavailable(adapter)
+    run = run_of(case, setting, engine_name, version or "")
+    if absent is not None:
+        return _without_motion(run, quantities, Outcome.UNAVAILABLE, absent)
+    model = case.scene(_channels(quantities, with_invariants))
+    made = run_engine(adapter, model, setting)
+    run = replace(
+        run, seconds=made.seconds, setup_seconds=made.setup_seconds, steps=made.steps, runs=max(1, len(made.passes))
+    )
+    if made.outcome is not Outcome.FINISHED or made.history is None:
+        return _without_motion(run, quantities, made.outcome, made.reason)
+    run = replace(run, details=dict(made.details))
+    return compared(
+        case, ObservedMotion(model, made.history), quantities, run, adapter, with_invariants=with_invariants
+    )
+
+
+def compared(
+    case: Case,
+    motion: ObservedMotion,
+    quantities: Iterable[Quantity],
+    run: Run,
+    adapter: Engine,
+    *,
+    with_invariants: bool = True,
+) -> Run:
+    """A run with the errors of its motion in these quantities, and its invariants."""
+    blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
+    found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
+    return replace(
+        run,
+        errors=tuple(error for error, _ in found),
+        invariants=checks(case, motion, blank) if with_invariants else (),
+        curves={error.quantity: deviation.curve for error, deviation in found if deviation is not None},
+    )
+
+
+def _without_motion(run: Run, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str) -> Run:
+    """A run that gave no motion, with a row for each quantity to say so."""
+    blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
+    return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))
+
+
+def _compare_quantity(
+    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
+) -> tuple[Error, Deviation | None]:
+    """The error of one quantity, and the deviation behind it; None where the run has no sample to judge."""
+    blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
+    lacking = quantity.lacking(motion)
+    if lacking:
+        if quantity.clock not in adapter.abilities.readouts or quantity.name.startswith(JOINT_FORCE):
+            detail = f"{blank.engine} offers no {lacking}"
+            return blank._replace(outcome=Verdict.NOT_PROVIDED.value, origin="", detail=detail), None
+        detail = f"its adapter offers {lacking} but did not record it"
+        return blank._replace(outcome=Verdict.ADAPTER_ERROR.value, origin="", detail=detail), None
+    return judged_deviation(case, quantity, motion, blank)
+
+
+# The data sheets of a campaign's linkages, made in worker processes.
+
+
+def sheets(
+    linkages: Sequence[Linkage], motions: Sequence[CrankMotion], regimes: Sequence[str], processes: int | None = None
+) -> list[Sheet]:
+    """A sheet of every linkage, in their order; one whose process failed contains the reason."""
+    jobs = [(linkage, motions, regimes) for linkage in linkages]
+    count = usual_processes(len(jobs)) if processes is None else processes
+    try:
+        table = dict(run_jobs(usual_sheet, jobs, processes=count))
+    except LinkproofError:  # no worker can be started
+        table = dict(run_jobs(usual_sheet, jobs, processes=0))
+    return [
+        bare_sheet(linkages[number], entry.reason) if isinstance(entry, Lost) else entry
+        for number, entry in sorted(table.items())
+    ]

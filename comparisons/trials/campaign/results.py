@@ -1,0 +1,214 @@
+"""The results of a campaign: its runs, and all that a report needs besides; saved and read back."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, NotRequired
+
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict
+
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.linkage import Linkage
+from comparisons.trials.campaign.campaign import CampaignRequest
+from comparisons.trials.campaign.saved_linkages import (
+    RESULTS,
+    LinkageRow,
+    MotionRow,
+    described_linkage,
+    described_motion,
+    linkage_row,
+    motion_row,
+)
+from comparisons.trials.campaign.standard import KeyFigure
+from comparisons.trials.judging.changes import Change
+from comparisons.trials.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
+from comparisons.trials.judging.records import Error, Run
+from comparisons.trials.runs.environment import environment
+from comparisons.trials.runs.store import Curve, has_study, load_study, save_study
+from engines.contract import ReadOut
+
+# The form of a campaign's saved document, by which it is checked when it is read back.
+
+
+class DescriptionRow(LinkageRow):
+    """A linkage as it was described, and a checksum of its text."""
+
+    checksum: str
+
+
+class SavedCampaign(TypedDict):
+    """All but the runs."""
+
+    command: str
+    conditions: str
+    environment: Mapping[str, str]
+    readouts: Mapping[str, Mapping[str, ReadOut]]  # by engine and channel
+    motions: list[MotionRow]
+    descriptions: list[DescriptionRow]
+    limits: NotRequired[list[Limit]]
+    figures: NotRequired[list[KeyFigure]]
+    changes: NotRequired[list[Change]]
+    judgement: NotRequired[list[str]]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedCampaign)
+_CHANGES: Final = TypeAdapter(tuple[Change, ...])
+
+
+# The results of a campaign: its runs, and all that a report needs besides; saved and read back.
+
+
+COMPARE: Final = "compare"
+JUDGE: Final = "judge"  # another tool's results in an engine's place
+KINDS: Final = (COMPARE, JUDGE)
+
+
+@dataclass(frozen=True)
+class Results:
+    """A finished campaign: its document and its runs."""
+
+    document: Mapping[str, Any]
+    runs: tuple[Run, ...]
+
+    @cached_property
+    def records(self) -> tuple[Error, ...]:
+        """One record per run and quantity."""
+        return tuple(error for run in self.runs for error in run.errors)
+
+    @cached_property
+    def invariants(self) -> tuple[Error, ...]:
+        """One record per run and invariant."""
+        return tuple(error for run in self.runs for error in run.invariants)
+
+    @cached_property
+    def limits(self) -> LimitTable:
+        """The limits of the records; the suite's own if the folder has no table of limits."""
+        return table_from_rows(self.document["limits"]) if "limits" in self.document else shipped_limits()
+
+    @cached_property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """Key figures of every linkage and motion."""
+        return tuple(KeyFigure(**row) for row in self.document.get("figures", ()))
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed since the results that the campaign was compared with."""
+        return _CHANGES.validate_python(self.document.get("changes", ()))
+
+    @property
+    def rows(self) -> list[Error]:
+        """The rows of all errors and figures."""
+        return [*self.records, *self.invariants, *(figure.row for figure in self.figures)]
+
+    @cached_property
+    def linkages(self) -> tuple[Linkage, ...]:
+        """The linkages as they were described when the campaign ran."""
+        return tuple(map(described_linkage, self.document["descriptions"]))
+
+    @cached_property
+    def motions(self) -> tuple[CrankMotion, ...]:
+        """The crank motions of the campaign's regimes."""
+        return tuple(map(described_motion, self.document["motions"]))
+
+    @cached_property
+    def regimes(self) -> tuple[str, ...]:
+        """Names of the regimes of its runs, the linkages' own among them."""
+        return tuple(dict.fromkeys(run.regime for run in self.runs))
+
+    @cached_property
+    def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Curve]]:
+        return {run.run: run.curves for run in self.runs}
+
+    def curve(self, run: Sequence[str], quantity: str) -> Curve:
+        """``CURVE`` of one run (mechanism, variant, regime, engine, setting) and quantity, (4, samples)."""
+        return self._curves[tuple(run)][quantity]
+
+
+def document(
+    request: CampaignRequest,
+    command: str,
+    readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
+) -> dict[str, Any]:
+    """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.as_dict`` has them."""
+    return {
+        "command": command,
+        "conditions": request.conditions,
+        "environment": environment(request.engines),
+        "readouts": dict(readouts or {}),
+        "motions": [motion_row(motion) for motion in request.motions],
+        "descriptions": [{**linkage_row(linkage), "checksum": checksum(linkage.text)} for linkage in request.linkages],
+    }
+
+
+def checksum(text: str) -> str:
+    """A checksum of a linkage file's text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def with_runs(table: Mapping[str, Any], runs: Iterable[Run]) -> dict[str, Any]:
+    """A campaign's document with its runs, flat: a row for each quantity and invariant."""
+    records = list(runs)
+    return {
+        **table,
+        "records": [row for run in records for row in run.rows(run.errors)],
+        "invariants": [row for run in records for row in run.rows(run.invariants)],
+        "details": {run.key: dict(run.details) for run in records},
+    }
+
+
+def save(folder: Path, table: Mapping[str, Any], runs: Iterable[Run]) -> None:
+    """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
+    kind = kind_of(table)
+    save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
+
+
+def kind_of(table: Mapping[str, Any]) -> str:
+    """The study that a document is of."""
+    return JUDGE if "judgement" in table else COMPARE
+
+
+def is_saved(folder: Path) -> bool:
+    """Whether a folder has a campaign or a judgement."""
+    return any(has_study(folder, kind) for kind in KINDS)
+
+
+def load(folder: Path) -> Results:
+    """Read a saved campaign or judgement back; no engine is imported.
+
+    Raises LinkproofError if it is missing or damaged.
+    """
+    kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
+    return Results(*load_study(folder, kind, FORM, Run.from_row))
+
+
+# The curves of a campaign as CSV: a row per run, quantity and sample.
+
+SAMPLE: Final = ("time", "angle", "observed", "reference")
+CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *SAMPLE)
+
+
+def write_curves(runs: Iterable[Run], file: Path) -> None:
+    """Fill a CSV file with the curves of all runs, with every digit of their few samples.
+
+    Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
+    observed and reference in the unit.
+    """
+    with file.open("w", encoding="utf-8", newline="") as opened:
+        writer = csv.writer(opened, lineterminator="\n")
+        writer.writerow(CURVE_COLUMNS)
+        writer.writerows(_curve_rows(runs))
+
+
+def _curve_rows(runs: Iterable[Run]) -> Iterator[tuple[str | float, ...]]:
+    for run in runs:
+        for error in run.errors:
+            if error.quantity in run.curves:
+                time, angle, reference, beyond = run.curves[error.quantity].astype(float)
+                columns = (column.tolist() for column in (time, angle, reference + beyond, reference))
+                yield from ((*run.run, error.quantity, error.unit, *row) for row in zip(*columns, strict=True))

@@ -1,0 +1,181 @@
+"""The results of a campaign under a user's own standard: limits, and results and key figures recorded before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+from analytic.description.linkage import Linkage
+from analytic.description.loading import parse
+from analytic.designs.figures import STROKE, Figure
+from analytic.errors import LinkproofError
+from analytic.signals import contour_length, moving_points
+from comparisons.designer.curves import Curves
+from comparisons.designer.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.campaign import GRAVITY, CampaignRequest, cases, each_case
+from comparisons.trials.judging.changes import CLOSED_FORM, Change, changes
+from comparisons.trials.judging.limits import LimitTable
+from comparisons.trials.judging.records import Error, Run
+from engines.contract import Setting
+
+USUAL_FIGURES: Final = (
+    *("Mkr.peak", "Mkr.rms", "Peq.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", STROKE),
+    *("S.min", "S.max", "v.min", "v.max", "a.min", "a.max"),
+)
+DIRECTION: Final = "output:direction:"  # the parts of a unit vector, which have no unit
+OUTPUT: Final = "output:point:"  # m, along x and y
+THREAD: Final = "thread:length@0s"  # m, of its contour
+
+
+@dataclass(frozen=True)
+class KeyFigure:
+    """A key figure of a linkage under a motion, SI, in its ``unit``."""
+
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    figure: str
+    value: float
+    unit: str = ""
+
+    @property
+    def row(self) -> Error:
+        """Its row beside those of errors."""
+        motion = (self.mechanism, self.variant, self.regime, self.conditions)
+        return Error(*motion, CLOSED_FORM, "", self.figure, self.unit, self.value, outcome="")
+
+
+def figures_of_case(case: Case) -> list[KeyFigure]:
+    """The key figures of a case, with their names and units."""
+    linkage = case.mechanism.linkage
+    place = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
+    return [KeyFigure(*place, name, value, _figure_unit(name, linkage)) for name, value in key_figures(case).items()]
+
+
+def key_figures(case: Case) -> dict[str, float]:
+    """Key figures of a case over its motion, SI, by name.
+
+    A name is one of ``comparisons.designer.figures``.
+    ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal: which point is
+    the output, its direction, and the length of the thread.
+    """
+    mechanism, curves = case.mechanism, Curves(case)
+    points = [f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy"]
+    usual: dict[str, Figure | MechanismFigure] = {}
+    for name in (*USUAL_FIGURES, *points):
+        with suppress(LinkproofError):
+            usual |= figures_by_name(mechanism, name)
+    values = case_figures(curves, usual) | dict(_description_figures(case))
+    return {name: value for name, value in values.items() if math.isfinite(value)}
+
+
+def _description_figures(case: Case) -> Iterator[tuple[str, float]]:
+    """Figures of the description, SI, that can change without any change of a signal."""
+    linkage, start = case.mechanism.linkage, case.start()
+    if linkage.output is not None:
+        place = start.point(linkage.output.point)
+        for axis, coordinate, part in zip("xy", place, linkage.output.along, strict=True):
+            yield f"{OUTPUT}{axis}@0s", float(coordinate[0])
+            yield f"{DIRECTION}{axis}", part
+    if linkage.thread is not None:
+        yield THREAD, float(contour_length(start, linkage.thread)[0])
+
+
+def _figure_unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a key figure by its name; empty for a direction and for unknown names."""
+    if name == THREAD or name.startswith(OUTPUT):
+        return "m"
+    try:
+        return figure_unit(name, linkage)
+    except KeyError:
+        return ""
+
+
+@dataclass(frozen=True)
+class JudgedCampaign:
+    """The ``runs`` of a request, judged by ``limits``; ``before`` are the rows that they are compared with, if any.
+
+    ``every_variant``: the figures of the closed form are also those of the linkages' other variants.
+    """
+
+    request: CampaignRequest
+    limits: LimitTable
+    runs: Iterable[Run]
+    before: Sequence[Error] | None = None
+    every_variant: bool = False
+
+    @property
+    def records(self) -> Iterator[Error]:
+        """Every record and invariant, run by run."""
+        return (record for run in self.runs for record in run.every)
+
+    @cached_property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """The key figures of the closed form."""
+        return tuple(figure for case in self._cases() for figure in figures_of_case(case))
+
+    @property
+    def rows(self) -> list[Error]:
+        """The rows of all errors and figures."""
+        return [*self.records, *(figure.row for figure in self.figures)]
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed of what was requested; empty if there is nothing to compare with."""
+        if self.before is None:
+            return ()
+        is_asked = asked_rows(self.request, every_variant=self.every_variant)
+        return tuple(changes(*(filter(is_asked, rows) for rows in (self.before, self.rows))))
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """The parts of a campaign's document besides the records, JSON-ready."""
+        return {
+            "limits": self.limits.as_dict,
+            "figures": [asdict(figure) for figure in self.figures],
+            "changes": [{**asdict(entry), "sentence": entry.sentence} for entry in self.changes],
+        }
+
+    def _cases(self) -> Iterator[Case]:
+        """The cases of the request, and those of other variants; a variant that cannot follow a motion has none."""
+        yield from each_case(self.request)
+        for linkage in self.request.linkages if self.every_variant else ():
+            for name in linkage.variants:
+                if name != linkage.variant:
+                    variant = parse(linkage.text, linkage.name, linkage.name, name)
+                    with suppress(LinkproofError):
+                        yield from cases(replace(self.request, linkages=(variant,)))
+
+
+def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Error], bool]:
+    """Whether a request asks for a row: of its variants, engines, settings, quantities and motions.
+
+    A linkage that it does not name is asked for, since its file may be deleted or renamed, and so is a motion with and
+    without gravity, which is the linkage's. Naive settings decide nothing beside others, and are left out there. A
+    regime of a linkage's own file is the same whatever its conditions are.
+    """
+    variants = {linkage.name: linkage.variant for linkage in request.linkages}
+    motions = {(case.motion.regime, _without_gravity(case.conditions)) for case in each_case(request)}
+    settings = {*request.settings, *(request.own_settings if request.own_regimes else ())}
+    settings = settings - {Setting.NAIVE} or settings
+
+    def is_asked(row: Error) -> bool:
+        if (row.regime, _without_gravity(row.conditions)) not in motions and row.regime not in request.own_regimes:
+            return False
+        is_variant = variants.get(row.mechanism, row.variant) == row.variant
+        if row.engine == CLOSED_FORM:
+            return is_variant or every_variant
+        is_quantity = not request.quantities or row.quantity.partition(":")[0] in request.quantities
+        return is_variant and row.engine in request.engines and row.setting in settings and is_quantity
+
+    return is_asked
+
+
+def _without_gravity(conditions: str) -> str:
+    return conditions.rpartition(GRAVITY)[0] or conditions

@@ -1,0 +1,292 @@
+"""Checks of an adapter: how it behaves, what it leaves behind, and every channel beside the closed form."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from dataclasses import replace
+from functools import partial
+from typing import Final, get_args
+
+import numpy as np
+
+from analytic.description.law import FULL_TURN
+from comparisons.trials.conformance.misreadings import likeliest_misreading
+from comparisons.trials.conformance.trial import PLAIN, SAMPLES, Check, EngineTrial, NotTestedError, case, scene_of
+from comparisons.trials.conformance.trial import case as sample_case
+from comparisons.trials.judging.limits import limit
+from comparisons.trials.judging.signal_errors import SignalError, readings, signal_errors
+from comparisons.trials.observed_motion import DENSE
+from comparisons.trials.runs.run_engine import AdapterError, blamed_on, run_engine
+from engines.contract import Origin, Outcome, Run, Setting
+from engines.registry import check_adapter, silenced
+from engines.scene import GUIDES, LOADS, Channel, Drive, Prescribed, Scene
+
+# Whose limit a channel of every body and joint has: that of the quantity read from it.
+LIMIT_QUANTITIES = {
+    Channel.POSITION: "S",
+    Channel.VELOCITY: "v",
+    Channel.ACCELERATION: "a",
+    Channel.TORQUE: "Mkr",
+    Channel.JOINT_FORCE: "joint_force",
+}
+ROUNDING_FACTOR = 1.0 + 1e-6
+FEW = 0.02  # of all samples: an error of so few is of a place in the motion, not of a mass or a sign
+BESIDE = 4  # samples from the start, or from where two parts meet
+
+
+def check_channel(channel: Channel, trial: EngineTrial) -> None:
+    """One channel of every sample beside the closed form, within the limit of ``tuned``."""
+    if channel not in trial.engine.abilities.readouts:
+        raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
+    is_compared = False
+    for sample, scene, history in trial.histories():
+        if channel is Channel.TORQUE and not isinstance(scene.drive, Prescribed):
+            continue
+        errors = [
+            error for error in signal_errors(sample_case(sample), scene, history) if error.read.channel is channel
+        ]
+        assert errors, f"expected a {channel.value} in sample '{sample}', got none: record it, its abilities offer it"
+        is_compared = True
+        regime = sample_case(sample).motion.regime
+        bound = limit(LIMIT_QUANTITIES[channel], Setting.TUNED, regime, trial.engine.name).value
+        worst = max(errors, key=lambda error: error.largest)
+        if not worst.largest <= bound:
+            raise AssertionError(
+                f"{worst.read.words}, sample '{sample}': expected the closed form within {bound:.0e} "
+                f"{worst.scale_words}, got {_error_words(worst, bound)}"
+            )
+    if not is_compared:
+        raise NotTestedError(f"no sample of the conformance test has a {channel.value} for {trial.engine.name}")
+
+
+def _error_words(worst: SignalError, bound: float) -> str:
+    """The largest error of a signal, when it is, how many are over the bound, and the likeliest cause."""
+    reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
+    words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
+    if len(over) > FEW * len(time):
+        cause = likeliest_misreading(worst.true, reading.values) or "a mass, a load, a geometry, or too long a step"
+        return f"{words}, {len(over)} of {len(time)} samples over it; {cause}"
+    drive, first, last = reading.scene.drive, time[over[0]], time[over[-1]]
+    starts = [segment.start for segment in drive.motion.segments[1:]] if isinstance(drive, Prescribed) else []
+    if over[-1] < BESIDE:
+        cause = "look at the start velocities, and at what the first step leaves out"
+    elif any(abs(first - start) + abs(last - start) <= 2 * BESIDE * np.max(np.diff(time)) for start in starts):
+        cause = "two parts of the motion meet there: look at what the loop does where a part begins"
+    else:
+        cause = "look at these instants: parts may meet there, or a solver give up"
+    return f"{words}, {len(over)} of {len(time)} samples over it; the rest is within; {cause}"
+
+
+def check_samples(trial: EngineTrial) -> None:
+    """Sample times increase to the end of the motion, densely enough to be read between."""
+    for sample, scene, history in trial.histories():
+        motion = sample_case(sample).motion
+        for reading in readings(scene, history):
+            words, gaps = f"{reading.words}, sample '{sample}'", np.diff(reading.time)
+            assert np.all(gaps > 0.0), (
+                f"{words}: expected increasing times, got {reading.time[int(np.argmin(gaps))]:g} s twice: leave out "
+                "what a fresh start repeats"
+            )
+            turn, longest = FULL_TURN / motion.peak_speed, float(gaps.max())
+            assert longest * DENSE <= turn * ROUNDING_FACTOR, (
+                f"{words}: expected {DENSE} samples per turn or more, got {turn / longest:.0f}: give the recipe more "
+                "steps per turn"
+            )
+            assert reading.time[-1] <= motion.duration * ROUNDING_FACTOR, (
+                f"{words}: expected samples up to {motion.duration:g} s, got {reading.time[-1]:g} s"
+            )
+
+
+CHANNEL_CHECKS = (
+    Check("samples", "sample times increase and cover the motion densely", check_samples),
+    *(
+        Check(name, f"the closed form's: {about}", partial(check_channel, channel))
+        for name, channel, about in (
+            ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
+            ("velocities", Channel.VELOCITY, "at the stated instants"),
+            ("accelerations", Channel.ACCELERATION, "at the stated instants, without subtracting gravity"),
+            ("drive torque", Channel.TORQUE, "the torque of the drive on the crank"),
+            ("joint forces", Channel.JOINT_FORCE, "on each joint's first body, in the ground frame"),
+        )
+    ),
+)
+
+
+def check_identity(trial: EngineTrial) -> None:
+    """Name, version and abilities are as the contract requires."""
+    with blamed_on(trial.engine):
+        check_adapter(trial.engine)
+    can = trial.engine.abilities
+    assert can.readouts, "expected the channels that are offered, got none: state what each is called in the engine"
+    for channel, readout in can.readouts.items():
+        assert all((readout.source, readout.frame, readout.instant)), (
+            f"expected a ReadOut of {channel.value} with source, frame and instant, got {readout!r}: give all of them"
+        )
+    for name, known in (("drives", get_args(Drive)), ("joints", GUIDES), ("loads", LOADS)):
+        surplus = getattr(can, name) - frozenset(known)
+        assert not surplus, f"expected {name} of the contract in the abilities, got {surplus}: name none but those"
+
+
+def check_installed(trial: EngineTrial) -> None:
+    """The engine can be used and finishes the plain sample; without it nothing else can be checked."""
+    trial.finished_history(PLAIN, trial.setting)
+
+
+def check_refusals(trial: EngineTrial) -> None:
+    """A scene beyond its abilities is unsupported, with a reason."""
+    unsupported = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
+    unsupported += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
+    if not unsupported:
+        raise NotTestedError("its abilities cover every sample and setting")
+    for sample, setting in unsupported:
+        with blamed_on(trial.engine):
+            run = trial.engine.run(scene_of(sample), setting)
+        words = f"sample '{sample}' in setting '{setting}', which is beyond its abilities"
+        assert run.outcome is Outcome.UNSUPPORTED, f"{words}: expected 'unsupported', got '{run.outcome}': refuse it"
+        assert run.reason.strip(), f"{words}: expected a reason, got none: state in one sentence what is not supported"
+        assert run.history is None, f"{words}: expected no history, got one: a refused scene is not stepped"
+
+
+def check_claims(trial: EngineTrial) -> None:
+    """Every sample within its abilities is run, or refused with a reason that its abilities cannot state."""
+    refused = []
+    for sample in SAMPLES:
+        try:
+            trial.finished_history(sample)
+        except NotTestedError as reason:
+            refused += [] if trial.obstacle(sample) else [str(reason)]
+    if refused:
+        raise NotTestedError("; ".join(refused))
+
+
+def _with_first_body(scene: Scene, **changes: object) -> Scene:
+    """A scene with changes in its first body."""
+    return replace(scene, bodies=(replace(scene.bodies[0], **changes), *scene.bodies[1:]))  # type: ignore[arg-type]
+
+
+def _with_first_pin(scene: Scene, **changes: object) -> Scene:
+    """A scene with changes in its last pin, which comes first."""
+    return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
+
+
+# By fault in words: the change of a scene that no engine may run.
+NAN: Final = float("nan")
+BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
+    "a mass that is nan": partial(_with_first_body, mass=NAN),
+    "a negative mass": partial(_with_first_body, mass=-1.0),
+    "an inertia that is nan": partial(_with_first_body, inertia=NAN),
+    "a position that is nan": partial(_with_first_body, position=(NAN, 0.0)),
+    "a velocity that is infinite": partial(_with_first_body, velocity=(0.0, math.inf)),
+    "a pin that is open by half a metre": partial(_with_first_pin, first_anchor=(0.5, 0.5)),
+    "a pin on a body that is not there": partial(_with_first_pin, first="nobody"),
+    "gravity that is nan": lambda scene: replace(scene, gravity=(NAN, 0.0)),
+    "a crank that is not there": lambda scene: replace(scene, crank="nobody"),
+}
+
+
+def check_bad_data(trial: EngineTrial) -> None:
+    """Data that cannot be run with come back as an outcome with a reason; nothing is raised and no process dies."""
+    for words, spoil in BAD_SCENES.items():
+        run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
+        assert run.outcome is not Outcome.FINISHED, (
+            f"{words}: expected an outcome with a reason, got a finished run: look at the data before the engine does "
+            "(engines.mechanics.start_check.data_obstacle)"
+        )
+        assert run.reason.strip(), f"{words}: expected a reason, got none: state in one sentence what is wrong"
+
+
+def check_recording(trial: EngineTrial) -> None:
+    """Only channels that are requested and offered are recorded; the choice changes no step."""
+    steps = trial.run(PLAIN).steps
+    for channel in Channel:
+        scene = case(PLAIN).scene(frozenset({channel}))
+        run = run_engine(trial.engine, scene, Setting.TUNED)
+        words = f"only {channel.value} requested"
+        assert run.history is not None, f"{words}: expected a finished run, got {run.outcome}: {run.reason}"
+        recorded = {reading.channel for reading in readings(scene, run.history)}
+        expected = {channel} & trial.engine.abilities.readouts.keys()
+        surplus = ", ".join(sorted(recorded - expected))
+        assert not surplus, f"{words}: expected no {surplus}, got it: leave it out"
+        assert recorded == expected, f"{words}: expected it, got none: record it"
+        assert run.steps == steps, (
+            f"{words}: expected the {steps} steps of a run with every channel, got {run.steps}: choose the steps by "
+            "the scene alone"
+        )
+
+
+def check_repetition(trial: EngineTrial) -> None:
+    """Two runs of one scene are the same to the last bit."""
+    first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
+    assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
+    pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
+    for reading, other in pairs:
+        assert np.array_equal(reading.time, other.time) and np.array_equal(reading.values, other.values), (  # noqa: PT018
+            f"{reading.words}: expected the same values from a second run, got others: build the world anew, without "
+            "random numbers, threads or what a former run left"
+        )
+
+
+def check_settings(trial: EngineTrial) -> None:
+    """Every setting that is claimed runs, under every drive that is claimed."""
+    for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
+        for setting in sorted(trial.engine.abilities.settings):
+            run = trial.run(sample, setting)
+            assert run.outcome is Outcome.FINISHED, (
+                f"setting '{setting}' of sample '{sample}': expected a finished run, got {run.outcome}: {run.reason}; "
+                "correct it, or leave it out of the abilities"
+            )
+
+
+def check_origins(trial: EngineTrial) -> None:
+    """``naive`` and ``tuned`` are one run; what is made of several runs is not labelled as read."""
+    for setting in sorted(trial.engine.abilities.settings):
+        run, is_single = trial.run(PLAIN, setting), setting is not Setting.BEST
+        assert not is_single or len(run.passes) <= 1, (
+            f"setting '{setting}': expected one run of the engine, got {len(run.passes)}: extrapolate in 'best' alone"
+        )
+        for words, origin in _origins_by_channel(run):
+            assert not is_single or origin is not Origin.EXTRAPOLATED, (
+                f"{words} in setting '{setting}': expected 'read' or 'computed', got '{origin}': nothing can be "
+                "extrapolated from one run"
+            )
+            assert len(run.passes) <= 1 or origin is not Origin.READ, (
+                f"{words} in setting '{setting}': expected 'extrapolated' of what {len(run.passes)} runs make, got "
+                "'read': label it so"
+            )
+
+
+def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
+    if run.history is not None:
+        yield from (
+            (name, signal.origin) for name, signal in vars(run.history).items() if name != "joint_force" and signal
+        )
+        yield from ((f"force in joint '{name}'", signal.origin) for name, signal in run.history.joint_force.items())
+
+
+def check_silence(trial: EngineTrial) -> None:
+    """Nothing is written to standard output or error, by Python or by C, in a run that is made or refused."""
+    with tempfile.NamedTemporaryFile("a+") as written:
+        with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
+            run_engine(trial.engine, scene_of(PLAIN), trial.setting)
+            with suppress(AdapterError):  # which another check names
+                run_engine(trial.engine, BAD_SCENES["a mass that is nan"](scene_of(PLAIN)), trial.setting)
+        written.seek(0)
+        text = written.read().strip()
+    assert not text, f"expected silence, got {text[:80]!r}: chatters = True has a SteppedEngine's C output sent nowhere"
+
+
+CHECKS = (
+    Check("identity", "name, version and abilities", check_identity),
+    Check("installed", "the engine can be used, and finishes a run", check_installed),
+    Check("bad data", "an outcome with a reason, nothing raised, no process dead", check_bad_data),
+    Check("refusals", "a scene beyond its abilities is unsupported, with a reason", check_refusals),
+    Check("claims", "every sample within its abilities is run", check_claims),
+    Check("settings", "every setting it claims runs", check_settings),
+    Check("origins", "naive and tuned are one run; a value from several runs is not labelled as read", check_origins),
+    Check("recording", "only the requested channels are recorded; recording changes no step", check_recording),
+    Check("repetition", "two runs are the same", check_repetition),
+    Check("silence", "nothing is written to the terminal", check_silence),
+)

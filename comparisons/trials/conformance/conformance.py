@@ -1,0 +1,140 @@
+"""The conformance test of an engine: every check, then every mutant, in the order of a report."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache, partial
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final
+
+from comparisons.trials.conformance import conduct, mutants
+from comparisons.trials.conformance.mutants import MUTANT
+from comparisons.trials.conformance.trial import Check, CheckResult, EngineTrial, Finding
+from comparisons.trials.runs.run_engine import Failure, Lost
+from comparisons.trials.runs.workers import Bounds, run_jobs
+from engines.contract import Engine
+from engines.registry import Unusable
+
+if TYPE_CHECKING:
+    import pytest
+
+INSTALLED: Final = "installed"
+FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check has a meaning
+DANGEROUS: Final = "bad data"  # may bring a process down
+BOUNDS = Bounds(seconds=120.0)
+CHECKS: Final[Mapping[str, Check]] = {
+    check.name: check for check in (*conduct.CHECKS, *conduct.CHANNEL_CHECKS, *mutants.CHECKS)
+}
+
+
+def examine(pickled: bytes, name: str) -> CheckResult:
+    """Result of the check of this name of a pickled engine, in this process."""
+    return CHECKS[name].result(_unpickle_trial(pickled))
+
+
+@lru_cache(maxsize=1)
+def _unpickle_trial(engine: bytes) -> EngineTrial:
+    """The engine of a worker's jobs, the same for all, so that they share its runs."""
+    return EngineTrial(pickle.loads(engine))
+
+
+def run_in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
+    """The results of checks by name, in worker processes; a check that brings one down has failed."""
+    try:
+        pickled = pickle.dumps(engine)
+    except Exception:
+        reason = "the engine cannot be sent to another process: let its class stand in a module of its own"
+        return [CheckResult(name, Finding.NOT_TESTED, reason) for name in names]
+    jobs: list[tuple[Any, ...]] = [(pickled, name) for name in names]
+    results = dict(run_jobs(examine, jobs, bounds=BOUNDS, processes=processes))
+    return [_check_result(name, results[number]) for number, name in enumerate(names)]
+
+
+def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
+    """The result of a check in a worker; a worker that gave none has failed it."""
+    if not isinstance(result, Lost):
+        return result
+    what = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(result.outcome, "")
+    cure = ": end every run with an outcome and a reason" if what else ""
+    return CheckResult(name, Finding.FAILED, f"{what}{result.reason}{cure}")
+
+
+def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Checks that are expected to fail, each with its reason: the adapter's ``expected_failures`` and those named."""
+    return {**getattr(engine, "expected_failures", {}), **(named or {})}
+
+
+def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
+    """A result where some failures are expected, by check; one that passes all the same fails."""
+    reason = expected.get(result.check)
+    if reason is None:
+        return result
+    if result.finding is Finding.FAILED:
+        return replace(result, finding=Finding.EXPECTED, detail=f"{reason} ({result.detail})")
+    if result.finding is Finding.PASSED:
+        detail = f"it passes, though it is expected to fail ({reason}): take it from the expected failures"
+        return replace(result, finding=Finding.FAILED, detail=detail)
+    return result
+
+
+def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResult]:
+    """The results of all checks, each made in a worker process; nothing an engine does brings this one down.
+
+    All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
+    pass, or fail as expected, so that one cause is named once.
+
+    Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only result.
+    """
+    if isinstance(engine, Unusable):
+        return [CHECKS[INSTALLED].result(EngineTrial(engine))]
+    expected = expected_failures(engine)
+    results = [
+        CheckResult(name, Finding.FAILED, f"expected a check, got '{name}' among the expected failures: correct it")
+        for name in expected
+        if name not in CHECKS
+    ]
+    wrong = ""
+    for _, stage in groupby(CHECKS, lambda name: (name in FIRST, name.startswith(MUTANT))):
+        if wrong:
+            reason = f"'{wrong}' fails: correct the engine first"
+            results += [CheckResult(name, Finding.NOT_TESTED, reason) for name in stage]
+            continue
+        done = [with_expected(result, expected) for result in run_in_workers(engine, [*stage], processes)]
+        wrong = next((result.check for result in done if result.finding is Finding.FAILED), "")
+        results += done
+    return results
+
+
+def _make(trial: EngineTrial, check: Check) -> None:
+    """Make a check of an engine; raises AssertionError with a sentence, or has pytest skip what is not tested."""
+    import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
+
+    dangerous = check.name == DANGEROUS
+    result = run_in_workers(trial.engine, [check.name], 1)[0] if dangerous else check.result(trial)
+    if result.finding is Finding.NOT_TESTED:
+        pytest.skip(result.detail)
+    assert result.finding is not Finding.FAILED, result.detail
+
+
+def parametrize_engine_checks(
+    engine: Engine, expected_failures: Mapping[str, str] | None = None
+) -> Callable[[Callable[..., object]], Callable[..., object]]:
+    """Hand a test function ``check``, to be called, once for every check of an engine.
+
+    ``expected_failures`` names checks that fail, each with its reason; one that passes turns the test red.
+    Raises KeyError for an unknown name.
+    """
+    import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
+
+    expected, trial = globals()["expected_failures"](engine, expected_failures), EngineTrial(engine)
+    for name in expected:
+        if name not in CHECKS:
+            raise KeyError(f"expected a check, got '{name}' among the expected failures; one of {', '.join(CHECKS)}")
+
+    def case_of(check: Check) -> pytest.ParameterSet:
+        marks = [pytest.mark.xfail(reason=expected[check.name], strict=True)] if check.name in expected else []
+        return pytest.param(partial(_make, trial, check), id=check.name.replace(" ", "-"), marks=marks)
+
+    return pytest.mark.parametrize("check", [case_of(check) for check in CHECKS.values()])

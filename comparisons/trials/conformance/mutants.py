@@ -1,0 +1,196 @@
+"""Mutants of an engine, each with one small fault of its world, its start, its read-out, or its extrapolation.
+
+One of each kind of slip in an adapter, in the fastest sample that shows it. Many more of each kind are among the
+nightly tests of linkproof's own checks.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.motion.case import Case
+from comparisons.trials.conformance.trial import (
+    AT_SPEED,
+    PLAIN,
+    SAMPLES,
+    SLIDER_AT_SPEED,
+    Check,
+    EngineTrial,
+    NotTestedError,
+    Sample,
+    scene_of,
+)
+from comparisons.trials.observed_motion import resample
+from comparisons.trials.runs.run_engine import run_engine
+from engines.contract import History, Origin, Setting, Signal
+from engines.scene import Body, Channel, Scene
+from engines.stepping.richardson import Weigh, combine_histories, named_signals, weights
+
+Array = NDArray[np.float64]
+
+MUTANT: Final = "mutant: "
+SAME: Final = 1e-7  # of a signal's peak, a hundredth of the tightest limit: runs that differ less are the same
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One fault: ``wrong(trial)`` is the history of an engine that has it, in a sample and a setting; None without one.
+
+    It raises NotTestedError where the fault cannot be planted. Where a ``row`` is named, that row has to see it.
+    """
+
+    name: str
+    wrong: Callable[[EngineTrial], History | None]
+    sample: str = PLAIN
+    setting: Setting = Setting.TUNED
+    row: str = ""
+
+    def check(self, trial: EngineTrial) -> None:
+        """Raise AssertionError unless the fault fails a row that the engine itself passes."""
+        right, wrong = trial.rows(self.sample, self.setting), self.wrong(trial)
+        if self.row and self.row not in right:
+            raise NotTestedError(f"no row '{self.row}' is judged of {trial.engine.name}")
+        if wrong is None:  # a run that gives up shows the fault
+            return
+        with np.errstate(all="ignore"):  # a wrong motion can be any numbers
+            rows = trial.judged_rows(self.sample, self.setting, wrong).items()
+        if any(is_over and not right.get(name) for name, is_over in rows if self.row in ("", name)):
+            return
+        over = ", ".join(name for name, is_over in right.items() if is_over)
+        beside = f" beside {over}, which it fails without the fault too" if over else ""
+        signals = vars(trial.finished_history(self.sample, self.setting)).items()
+        computed = ", ".join(name for name, signal in signals if getattr(signal, "origin", None) is Origin.COMPUTED)
+        cure = f"read its {computed} from the engine" if computed else "return what the engine's own model does"
+        raise AssertionError(f"sample '{self.sample}': expected a row over its limit, got none{beside}; {cure}")
+
+
+def history_with(
+    trial: EngineTrial, method: str, other: Callable[..., Any], sample: str, setting: Setting = Setting.TUNED
+) -> History | None:
+    """The history of an engine with another ``method``; raises NotTestedError where it has no such method."""
+    if not hasattr(trial.engine, method):
+        raise NotTestedError(f"{trial.engine.name} has no '{method}' to replace, as a SteppedEngine has")
+    changed: Any = copy.copy(trial.engine)
+    setattr(changed, method, other)
+    return run_engine(changed, scene_of(sample), setting).history
+
+
+def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
+    """The history of an engine whose worlds are those of another case."""
+    return history_with(trial, "altered", lambda scene: wrong.scene(scene.channels), sample)
+
+
+def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None:
+    """The history of an engine whose worlds are those of another sample."""
+    return in_world(sample, wrong.case, trial)
+
+
+def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> History | None:
+    """The history of an engine whose bodies start with a share of their velocities, and of what a step adds to them.
+
+    Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive.
+    """
+    step = moved * min(trial.run(sample).passes, default=0.0)
+
+    def altered(scene: Scene) -> Scene:
+        return replace(scene, bodies=tuple(_with_velocity(body, kept, step) for body in scene.bodies))
+
+    wrong = history_with(trial, "altered", altered, sample)
+    if wrong is not None and _is_same(trial.finished_history(sample), wrong):
+        raise NotTestedError(f"start velocities change nothing in a run of {trial.engine.name}")
+    return wrong
+
+
+def _with_velocity(body: Body, kept: float, step: float) -> Body:
+    """A body with a share of its start velocities, and what its accelerations add to them in a time, s."""
+    x, y = (kept * rate + step * change for rate, change in zip(body.velocity, body.acceleration, strict=True))
+    turning = kept * body.angular_velocity + step * body.angular_acceleration
+    return replace(body, velocity=(x, y), angular_velocity=turning)
+
+
+def _is_same(history: History, other: History) -> bool:
+    """Whether two histories have the same values, to SAME of every signal's peak."""
+    pairs = zip(named_signals(history), named_signals(other), strict=True)
+    return all(
+        a.values.shape == b.values.shape and np.all(np.abs(a.values - b.values) <= SAME * np.max(np.abs(a.values)))
+        for (_, a), (_, b) in pairs
+    )
+
+
+def _late(signal: Signal) -> Array:
+    """The values half a sample before their times."""
+    time = signal.time
+    return resample(signal, np.clip(time - 0.5 * np.gradient(time), time[0], time[-1]))
+
+
+def _first_late(signal: Signal) -> Array:
+    """The first value that of half a step later, as of a rule that has velocities or forces between its steps."""
+    time = signal.time.copy()
+    time[0] += 0.5 * (time[1] - time[0])
+    return resample(signal, time)
+
+
+def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], trial: EngineTrial) -> History:
+    """The history of the engine's own run of a sample with a channel misread."""
+    if channel not in trial.engine.abilities.readouts:
+        raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
+    right = trial.finished_history(sample)
+    wrong = combine_histories([right], lambda signals: replace(signals[0], values=slip(signals[0])))
+    return replace(right, **{channel.value: getattr(wrong, channel.value)})
+
+
+def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
+    """The history of the engine's runs at several steps, combined by other weights."""
+    trial.finished_history(PLAIN, Setting.BEST)
+    if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
+        raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")
+    return history_with(trial, "weights", weigh, PLAIN, Setting.BEST)
+
+
+def _slightly_wrong_weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
+    right = weights(steps, orders)
+    right[0] += 1e-6
+    return right
+
+
+# By fault of the world: the sample that shows it, what is wrong in that sample, and the row that has to see it.
+WORLD: Final[Mapping[str, tuple[str, Mapping[str, Any], str]]] = {
+    "the coupler's mass 1 % too large": (PLAIN, {"variant": "the coupler's mass 1 % too large"}, ""),
+    "a pin 0.1 mm out of place": (PLAIN, {"variant": "a pin 0.1 mm out of place"}, ""),
+    "the crank 0.01° out of place": (PLAIN, {"start": SAMPLES[PLAIN].start + 0.01}, ""),
+    "gravity 0.1 % too small": (AT_SPEED, {"variant": "gravity 0.1 % too small"}, "weight_on_frame"),
+}
+# By wrong start: how much of the right velocities, and of a step's change, the bodies have.
+STARTS: Final[Mapping[str, tuple[float, float]]] = {
+    "starts at rest": (0.0, 0.0),
+    "start velocities of the middle of the first step": (1.0, 0.5),
+}
+SLIPS: Final[Mapping[str, tuple[str, Callable[[Signal], Array]]]] = {
+    "wrong sign": (PLAIN, lambda signal: -signal.values),
+    "values of half a sample before their times": (PLAIN, _late),
+    "first sample that of half a step later": (AT_SPEED, _first_late),
+}
+
+
+def _mutants() -> Iterator[Mutant]:
+    for words, (sample, changes, row) in WORLD.items():
+        wrong = replace(SAMPLES[sample], **changes)
+        yield Mutant(f"{sample}: {words}", partial(_in_sample, sample, wrong), sample, row=row)
+    for sample in (AT_SPEED, SLIDER_AT_SPEED):
+        for words, shares in STARTS.items():
+            yield Mutant(f"{sample}: {words}", partial(_started, sample, *shares), sample)
+    for channel in Channel:
+        for words, (sample, slip) in SLIPS.items():
+            yield Mutant(f"{channel.value}: {words}", partial(_misread, sample, channel, slip), sample)
+    yield Mutant("best: a weight off by 1e-6", partial(extrapolated, _slightly_wrong_weights), setting=Setting.BEST)
+
+
+MUTANTS: Final = tuple(_mutants())
+CHECKS: Final = tuple(Check(f"{MUTANT}{mutant.name}", "fails a row", mutant.check) for mutant in MUTANTS)

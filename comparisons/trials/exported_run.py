@@ -1,0 +1,102 @@
+"""A run of a case as a script in its engine's own API, which ends with the figures that are furthest from the truth."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import cast
+
+import numpy as np
+
+from analytic.description.linkage import DriverKind
+from analytic.errors import LinkproofError
+from comparisons.motion.case import Case
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.signal_errors import ANGLE, NUMBER, SignalError, signal_errors
+from comparisons.trials.runs.run_engine import blamed_on
+from engines.contract import Engine, History, Setting
+from engines.exported_script import ScriptFigure, script
+from engines.registry import engine, why_unavailable
+from engines.scene import Channel, Scene
+from engines.stepping.intervals import UnsupportedError
+from engines.stepping.stepped_engine import LoopEngine, Recipe
+
+UNITS = {
+    Channel.POSITION: ("m", "rad"),
+    Channel.VELOCITY: ("m/s", "rad/s"),
+    Channel.ACCELERATION: ("m/s2", "rad/s2"),
+}
+AXES = ("x", "y", "angle")
+DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, of a crank
+
+
+def exported(case: Case, engine_name: str, setting: Setting, command: str) -> str:
+    """The script of a case in an engine's setting, written by a ``command``.
+
+    Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
+    """
+    adapter, scene = _exportable_adapter(engine_name), case.scene(frozenset(Channel))
+    return _script(
+        adapter, scene, case, _recipe_of_setting(adapter, scene, setting), f"setting {setting}. Written by: {command}"
+    )
+
+
+def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:
+    adapter = engine(engine_name)
+    reason = why_unavailable(adapter)
+    if reason is None and isinstance(adapter, LoopEngine):
+        return adapter
+    raise LinkproofError(
+        reason
+        or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{engine_name}': export another"
+    )
+
+
+def _recipe_of_setting(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
+    """The engine's recipe for a setting under the scene's drive; raises LinkproofError if the engine lacks it."""
+    recipes = adapter.settings.get(type(scene.drive), {})
+    if setting not in recipes:
+        offered = ", ".join(recipes) or "none"
+        raise LinkproofError(f"expected a setting that {adapter.name} has for this drive ({offered}), got '{setting}'")
+    return recipes[setting]
+
+
+def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, origin: str) -> str:
+    linkage = case.mechanism.linkage
+    about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {origin}"
+    with blamed_on(cast(Engine, adapter)):
+        try:
+            return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
+        except UnsupportedError as error:
+            reason = str(error)
+    raise LinkproofError(f"this run of {adapter.name} cannot be exported: {reason}")
+
+
+def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
+    """The figures that are furthest from the truth: of all places, of all angles, of the torque, of all forces.
+
+    A channel without a truth at some instant, as in a dead position, has none.
+    """
+    figures: list[ScriptFigure] = []
+    for channel in Channel:
+        with suppress(LinkproofError):
+            errors = signal_errors(case, scene, history, [channel])
+            groups = grouped((error.read.columns.start, error) for error in errors).values()
+            figures += [_figure(max(group, key=lambda error: error.largest)) for group in groups]
+    return figures
+
+
+def _figure(worst: SignalError) -> ScriptFigure:
+    """The component of a signal that is furthest off, as a script names it."""
+    read, true = worst.read, worst.true
+    row, column = divmod(int(np.argmax(worst.components)), worst.components.shape[1])
+    values = (float(read.time[row]), float(read.values[row, column]), float(true.values[row, column]))
+    path: tuple[str, ...] = (read.channel.value,)
+    if read.channel is Channel.TORQUE:
+        return ScriptFigure(*DRIVES[read.scene.driver_kind is DriverKind.CRANK], path, (), *values)
+    if read.channel is Channel.JOINT_FORCE:
+        component, element = ("size", ()) if read.columns == NUMBER else (AXES[column], (column,))
+        return ScriptFigure(f"force in {read.name}, {component}", "N", (*path, read.name), element, *values)
+    column += read.columns.start
+    unit = UNITS[read.channel][read.columns == ANGLE]
+    words = f"{read.channel} of {read.name}, {AXES[column]}"
+    return ScriptFigure(words, unit, path, (read.body_number(read.name), column), *values)

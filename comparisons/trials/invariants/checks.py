@@ -1,0 +1,444 @@
+"""Invariants of any true motion, checked on the engine's own motion without the closed form, as records of their own.
+
+So a wrong motion is caught even where no reference exists. For a linkage of one degree of freedom these checks are
+complete: what passes them all is the motion of the scene, short of what their limits let through.
+
+- *Positions.* A crank angle and the assembly mode of every Assur group fix all positions. ``crank_phase`` holds the
+  crank to the angle its drive prescribes, ``closure`` the bodies to the joints at that angle, not by how far a joint is
+  open but by how far a body is off because of it, which near a dead position is much more. ``assembly_mode`` holds
+  each group to the mode it starts in: its equations' determinant changes sign where the other one is entered.
+- *Velocities and accelerations* are fixed by the positions and the crank's: ``closure`` on the next two levels.
+- *Torque and joint forces* are fixed by those and the loads, standstill included: ``torque_two_routes`` and
+  ``force_balance``, within limits that let weights pass beside forces of inertia. ``weight_on_frame`` has the weight by
+  itself: over a whole turn at constant speed the momentum comes back, so the frame carries the linkage's weight and
+  what else loads it, however fast the crank.
+- *A released crank* obeys φ' = ω, ω' = ε and the equation of motion for ε: ``crank_phase``, ``closure`` and
+  ``torque_two_routes`` hold it to each. What each of them lets through adds up over turns, but moves the energy: δE in
+  it makes δE/2T of the speed, and ``crank_phase`` is what that has come to, beside what ω does not integrate to. (On
+  its way past an unstable equilibrium an error of phase grows as in any true motion, and no balance tells how far.)
+- Samples half a turn apart show no motion, and ``crank_phase`` says so. What they leave out of their own steps is seen
+  before anything is judged (``comparisons.trials.runs.run_engine``).
+
+``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion. The joints' equations and the
+loads are those of ``engines.mechanics``, shared with ``direct``: no formula is shared with the closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import degrees
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import GROUND
+from comparisons.motion.case import Case
+from comparisons.trials.invariants.corrections import LEVELS, speed_errors, undissipated_error
+from comparisons.trials.invariants.inspection import Inspection
+from comparisons.trials.judging.limits import judge
+from comparisons.trials.judging.quantities import UNBOUNDED, near_jumps
+from comparisons.trials.judging.records import Error, Verdict
+from comparisons.trials.observed_motion import (
+    DENSE,
+    ObservedMotion,
+    error_bound,
+    error_estimate,
+    integral,
+    resample_piecewise,
+)
+from engines.contract import History, Signal
+from engines.mechanics.joints import applied_loads
+from engines.mechanics.states import start_motion
+from engines.scene import Channel, Free, Prescribed
+
+Array = NDArray[np.float64]
+
+TINY = float(np.finfo(float).tiny)
+
+ROUNDING = 1e-9  # of the time of a turn
+MEAN_POINTS = 10  # of the polynomials through a force: at 6 its mean over a hundred samples is off by 1e-6
+HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
+
+
+def energy(motion: ObservedMotion, time: Array) -> Array:
+    """T + V at these times, J."""
+    return motion.kinetic_energy(time) + motion.potential_energy(time)
+
+
+def energy_scale(motion: ObservedMotion) -> float:
+    """Peak kinetic energy, range of the potential energy and work of all other loads, J."""
+    time = motion.signal(Channel.POSITION).time
+    work = integral(Signal(time, motion.load_power(time)), ())
+    stored = np.ptp(motion.potential_energy(time))
+    return float(np.max(motion.kinetic_energy(motion.signal(Channel.VELOCITY).time)) + stored + np.max(np.abs(work)))
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What a balance that should be 0 gains at the samples of a clock, with an estimate and a bound of its error."""
+
+    time: Array
+    gained: Array
+    error_estimate: Array
+    error_bound: Array
+
+    @property
+    def excess(self) -> Array:
+        """What is gained beyond the error bound: it certainly has no source."""
+        return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
+
+
+def energy_balance(inspection: Inspection) -> Balance:
+    """T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt on the torque's clock, J.
+
+    The error is that of the quadrature and, where the motion changes within a sample or two, all that changes there.
+    """
+    motion, drive = inspection.motion, inspection.motion.scene.drive
+    torque = motion.signal(Channel.TORQUE)
+    time = torque.time
+    power, done = motion.load_power(time), np.zeros(len(time))
+    if isinstance(drive, Prescribed):
+        power = power + torque.values * motion.crank(Channel.VELOCITY, time)
+    else:  # a constant torque does its work by the angle alone
+        angle = motion.crank(Channel.POSITION, time)
+        done = drive.torque * (angle - angle[0])
+        if drive.over_time is not None:
+            power = power + drive.over_time(time) * motion.crank(Channel.VELOCITY, time)
+    work = integral(Signal(time, power), motion.jumps)
+    stored = energy(motion, time) - done
+    swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
+    unresolved = np.concatenate([[0.0], np.cumsum(np.where(inspection.unresolved_intervals(time), swing, 0.0))])
+    errors = (error(Signal(time, power), work, motion.jumps) + unresolved for error in (error_estimate, error_bound))
+    return Balance(time, stored - stored[0] - work, *errors)
+
+
+def angle_error_from_energy(inspection: Inspection) -> Signal:
+    """Upper estimate of a released crank's angle error, rad, on the torque's clock.
+
+    ∫ δE/(2T) ω dt of energy without a source, and the angle less the integral of the speed.
+    """
+    motion = inspection.motion
+    time = motion.signal(Channel.TORQUE).time
+    angle, speed = motion.crank(Channel.POSITION, time), motion.crank(Channel.VELOCITY, time)
+    kinetic = motion.kinetic_energy(time)
+    gained = energy_balance(inspection).excess + _start_excess(motion, time[:1])
+    gained = undissipated_error(gained, 2.0 * inspection.relaxation_rate(time), time)
+    share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
+    # An engine's torque may begin after the start state: until then the speed changes, so the integral begins at 0 s.
+    later = int(time[0] > 0.0)
+    rates = Signal(np.insert(time, 0, [0.0] * later), np.insert(speed, 0, [inspection.start[1]] * later))
+    turned = integral(rates, ())
+    slip = np.abs(angle - inspection.start[0] - turned[later:])
+    slip = np.maximum(slip - error_bound(rates, turned, ())[later:], 0.0)
+    return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
+
+
+def _start_excess(motion: ObservedMotion, first: Array) -> float:
+    """Energy at the first sample's time (1,) beyond the start state's and the work done since, J."""
+    scene, clock = motion.scene, np.zeros(1)
+    position, velocity = (np.asarray(part[:, :-1], dtype=float) for part in start_motion(scene)[:2])
+    start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
+    work = float(first[0] * start.load_power(clock)[0])
+    if isinstance(scene.drive, Free):
+        work += float(scene.drive.torque_at(0.0)) * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
+    return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
+
+
+def speed_drift(inspection: Inspection) -> Signal:
+    """Crank speed less what the start and the claimed acceleration make of it and the error of that, over its peak."""
+    motion, start = inspection.motion, inspection.start
+    time = motion.signal(Channel.VELOCITY).time
+    rate = inspection.relaxation_rate(time)
+    speed, acceleration = motion.crank(Channel.VELOCITY, time), motion.crank(Channel.ACCELERATION, time)
+    if time[0] > 0.0:
+        time, rate = np.insert(time, 0, 0.0), np.insert(rate, 0, rate[0])
+        speed = np.insert(speed, 0, start[1])
+        acceleration = np.insert(acceleration, 0, start[2])
+    drift = speed_errors(time, speed, acceleration, rate, float(speed[0]) - start[1])
+    return Signal(time, drift / (float(np.max(np.abs(speed))) or 1.0))
+
+
+def joint_gaps(motion: ObservedMotion) -> Signal:
+    """Largest opening of any joint, m, over time: pins apart, sliders and slot pins off their line."""
+    time = motion.signal(Channel.POSITION).time
+    return Signal(time, np.max(list(motion.joint_gaps(time).values()), axis=0))
+
+
+def closure(inspection: Inspection) -> dict[str, Signal]:
+    """``Inspection.corrections`` and, of a released crank, ``drift``: its speed against its acceleration."""
+    drift = {"drift": speed_drift(inspection)} if isinstance(inspection.motion.scene.drive, Free) else {}
+    return inspection.corrections() | drift
+
+
+def crank_phase(inspection: Inspection) -> Signal:
+    """The driver's distance from its prescribed or released motion, or the largest gap between samples, rad or m."""
+    drive, time = inspection.motion.scene.drive, inspection.motion.signal(Channel.POSITION).time
+    if isinstance(drive, Prescribed):
+        signal = Signal(time, np.abs(inspection.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
+    else:
+        signal = angle_error_from_energy(inspection)
+    return Signal(signal.time, np.maximum(signal.values, _largest_gap(inspection)))
+
+
+def _largest_gap(inspection: Inspection) -> float:
+    """Largest angle between two samples of a channel, rad, where it is more than half a turn; else 0."""
+    motion = inspection.motion
+    signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
+    clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
+    turned = max(float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time))))) for time in clocks)
+    return turned if turned > HALF_TURN * inspection.radian else 0.0
+
+
+def steady_turn(motion: ObservedMotion) -> tuple[float, float] | None:
+    """Start and end, s, of a turn in the middle of the last piece at constant speed that has one; None without one.
+
+    In the middle there are samples on both sides, and what a jump before the piece has stirred up has died down.
+    """
+    drive, found = motion.scene.drive, None
+    if motion.is_linear or isinstance(drive, Free):
+        return None
+    for segment in drive.motion.segments:
+        speed, *rates = (*segment.coefficients[1:], 0.0)
+        turn = FULL_TURN / abs(speed) if speed and not any(rates) else np.inf
+        if turn <= (segment.end - segment.start) * (1.0 + ROUNDING):
+            middle = 0.5 * (segment.start + segment.end)
+            found = (middle - 0.5 * turn, middle + 0.5 * turn)
+    return found
+
+
+def total_weight(motion: ObservedMotion) -> float:
+    """Weight of all bodies, N."""
+    return float(np.sum(motion.masses[:, 0]) * np.hypot(*motion.scene.gravity))
+
+
+def weight_on_frame(inspection: Inspection) -> Balance:
+    """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
+
+    One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes.
+    """
+    motion, turn = inspection.motion, steady_turn(inspection.motion)
+    assert turn is not None
+    clocks = (motion.signal(Channel.POSITION).time, *(force.time for force in motion.history.joint_force.values()))
+    samples = min(np.count_nonzero((clock >= turn[0]) & (clock <= turn[1])) for clock in clocks)
+    time = np.linspace(*turn, max(int(samples), DENSE), endpoint=False)
+    mean, error = _mean_force(motion, time), np.inf
+    if samples >= DENSE and not inspection.unresolved_intervals(time).any():
+        error = float(np.hypot(*(mean - _mean_force(_with_every_other_sample(motion), time))))
+    return Balance(np.array([np.mean(turn)]), np.array([np.hypot(*mean)]), np.array([error]), np.array([error]))
+
+
+def _mean_force(motion: ObservedMotion, time: Array) -> Array:
+    """Mean over these times of all forces on the moving bodies from outside, the frame's joints among them, (2,), N."""
+    scene = motion.scene
+    loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
+    total = np.mean(np.sum(loads, axis=1), axis=0)
+    ends = {pin.name: (pin.first, pin.second) for pin in scene.pins}
+    ends |= {joint.name: (joint.body, joint.host) for joint in scene.guided}
+    for name, (first, second) in ends.items():
+        if GROUND in (first, second):
+            force = resample_piecewise(motion.history.joint_force[name], time, motion.jumps, MEAN_POINTS)
+            total = total + np.mean(force, axis=0) * (-1.0 if first == GROUND else 1.0)
+    return np.asarray(total)
+
+
+def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
+    """The motion as half of the samples show it."""
+
+    def half(signal: Signal) -> Signal:
+        return replace(signal, time=signal.time[::2], values=signal.values[::2])
+
+    history, (position, velocity) = motion.history, map(motion.signal, LEVELS[:2])
+    forces = {name: half(force) for name, force in history.joint_force.items()}
+    return replace(motion, history=History(position=half(position), velocity=half(velocity), joint_force=forces))
+
+
+UNITS: Mapping[str, str] = {
+    **dict.fromkeys(("closure", "assembly_mode", "force_balance"), ""),
+    "weight_on_frame": "N",
+    "joint_gap": "m",
+    "crank_phase": "rad",
+    "energy_balance": "J",
+    "torque_two_routes": "N m",
+}
+LINEAR_UNITS: Mapping[str, str] = {"crank_phase": "m", "torque_two_routes": "N"}  # of a driver that is pushed
+# Those that are shares of something, or angles, at every sample of the position.
+SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
+    "assembly_mode": Inspection.assembly_mode,
+    "crank_phase": crank_phase,
+}
+# Those that add up over time: over what scale, and what is added.
+SUMS: Mapping[str, tuple[Callable[[ObservedMotion], float], Callable[[Inspection], Balance]]] = {
+    "energy_balance": (energy_scale, energy_balance),
+    "weight_on_frame": (total_weight, weight_on_frame),
+}
+BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
+LARGEST = 1e150  # however far off a motion is, its square is a number
+
+
+def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
+    """One record per invariant; one that needs a channel the engine has not recorded says so."""
+    return tuple(each_check(case, motion, blank))
+
+
+# What each invariant is made of: the joints' equations are looked at level by level.
+NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
+    "joint_gap": LEVELS[:1],
+    "closure": LEVELS,
+    "assembly_mode": LEVELS[:1],
+    "crank_phase": LEVELS[:2],
+    "energy_balance": (*LEVELS[:2], Channel.TORQUE),
+    "torque_two_routes": (*LEVELS, Channel.TORQUE),
+    "force_balance": (*LEVELS, Channel.JOINT_FORCE),
+    "weight_on_frame": (*LEVELS[:2], Channel.JOINT_FORCE),
+}
+OF_FORCES = frozenset(("force_balance", "weight_on_frame"))
+
+
+def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
+    """The records of ``checks`` one by one."""
+    inspection = Inspection(motion, change_points(case))
+    weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
+    for name, needed in NEEDED_CHANNELS.items():
+        if name in OF_FORCES and Channel.JOINT_FORCE not in motion.scene.channels:
+            continue
+        if name == "weight_on_frame" and not weighs:
+            continue
+        lacking = _missing_channels(motion, name, needed)
+        unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
+        record = blank._replace(quantity=name, unit=unit)
+        if lacking:
+            yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
+        elif name in OF_FORCES and case.unbounded_at is not None:
+            yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+        elif name in BALANCES and case.mechanism.linkage.is_idle:
+            yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
+        else:
+            yield _invariant_record(
+                case, inspection, record._replace(origin=blank.origin or motion.origin(needed).value)
+            )
+
+
+def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
+    """Change points of the linkage's groups, rad in [0, 2π), by their links: lengths decide on them, no motion does."""
+    links = case.mechanism.linkage.links
+    groups = {}
+    for dyad in case.mechanism.structure.dyads:
+        if dyad.changes:
+            angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in dyad.changes.angles}
+            groups[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
+    return groups
+
+
+def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
+    lacking = [channel.value for channel in needed if not motion.has(channel)]
+    if name in OF_FORCES and not lacking:
+        forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
+        if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
+            return "direction of joint forces"
+    return ", ".join(lacking)
+
+
+def _invariant_record(case: Case, inspection: Inspection, record: Error) -> Error:
+    """The record of one invariant whose channels are there."""
+    motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
+    if record.quantity in SUMS:
+        scale, balance = SUMS[record.quantity]
+        return _judge_balance(case, record._replace(peak=scale(motion)), balance(inspection))
+    if record.quantity == "closure":
+        signal, count = _closure_signal(case, inspection)
+        return _judge_signal(record, signal, 1.0, count)
+    if record.quantity == "joint_gap":
+        return _judge_signal(record, joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
+    if record.quantity in SHARES:
+        whole = inspection.radian if record.quantity == "crank_phase" else 1.0
+        return _judge_signal(record, SHARES[record.quantity](inspection), whole, samples)
+    samples = len(motion.signal(Channel.ACCELERATION).time)
+    if record.quantity == "force_balance":
+        return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)
+    required = _without_jumps(case, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps))
+    routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
+    return _judge_signal(record, routes, _torque_scale(case, motion), samples)
+
+
+def _closure_signal(case: Case, inspection: Inspection) -> tuple[Signal, int]:
+    """The corrections of all levels one after the other, and how many there were before any was left out."""
+    levels = closure(inspection)
+    count = sum(len(signal.time) for signal in levels.values())
+    levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
+    signals = [_without_change_points(inspection, signal) for signal in levels.values()]
+    time, values = (np.concatenate([getattr(signal, part) for signal in signals]) for part in ("time", "values"))
+    return Signal(time, values), count
+
+
+def _torque_scale(case: Case, motion: ObservedMotion) -> float:
+    """Peak drive torque, N m; of a released crank the peak of Jeq ε, which ½ Jeq' ω² all but cancels, if larger."""
+    peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
+    if case.is_prescribed:
+        return peak
+    time = motion.signal(Channel.VELOCITY).time
+    speed = motion.crank(Channel.VELOCITY, time)
+    fast = np.abs(speed) >= case.least_speed
+    inertia = 2.0 * motion.kinetic_energy(time)[fast] / speed[fast] ** 2
+    return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, time)[fast]))))
+
+
+def _without_jumps(case: Case, signal: Signal) -> Signal:
+    """A signal without its samples at acceleration jumps, where the true value is not unique."""
+    smooth = ~near_jumps(signal.time, case.motion)
+    return Signal(signal.time[smooth], signal.values[smooth])
+
+
+def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
+    """A signal without its samples beside change points, where corrections are their own rounding magnified."""
+    smooth = ~inspection.beside_changes(signal.time).any(axis=1)
+    return Signal(signal.time[smooth], signal.values[smooth])
+
+
+def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Error:
+    """A record of a signal that should be zero everywhere, relative to a scale; samples without a value are left out.
+
+    Without a single value nothing is judged, and nothing has passed.
+    """
+    defined = ~np.isnan(signal.values)
+    time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)
+    record = blank._replace(peak=scale, samples=len(relative), left_out=total - len(relative))
+    if not len(relative):
+        return _undefined(record, "no sample has a value to judge, as in a linkage that starts at a dead position")
+    worst = int(np.argmax(relative))
+    return judge(
+        record._replace(
+            error_max=float(relative[worst]),
+            error_rms=float(np.sqrt(np.mean(relative**2))),
+            worst_time=float(time[worst]),
+        )
+    )
+
+
+def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
+    """The record of a balance over its scale, the ``blank`` record's peak: what is gained, or its error estimate.
+
+    A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
+    """
+
+    def check(values: Array) -> Error:
+        return _judge_signal(
+            blank, _without_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time)
+        )
+
+    certain = check(balance.excess)
+    if certain.outcome != Verdict.PASSED or not np.all(np.isfinite(balance.error_estimate)):
+        reason = "too few samples for an error estimate of the balance"
+        return certain if certain.outcome != Verdict.PASSED else _undefined(certain._replace(error_max=None), reason)
+    possible = check(np.maximum(np.abs(balance.gained), balance.error_estimate))
+    error, bound = possible.error_max, possible.limit
+    if error is None or bound is None or error <= bound:
+        return possible
+    scale = "weight" if blank.quantity == "weight_on_frame" else "energy scale"
+    reason = f"its own error estimate, {error:.2g} of the {scale}, is over the limit {bound:.2g}: use more samples"
+    return _undefined(possible, reason)
+
+
+def _undefined(record: Error, reason: str) -> Error:
+    return record._replace(outcome=Verdict.UNDEFINED.value, detail=reason)

@@ -1,0 +1,450 @@
+"""The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
+
+A quantity is a signal of ``analytic.signals``, which has its formula and unit, a row of ``quantities.toml`` and what an
+engine did, here. S is the output's displacement from its top dead centre (positive away from it), v and a its time
+derivatives, as in article 003; where the crank cannot turn fully it counts from the farthest point of the motion.
+Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion, Segment, degrees
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import ThreadEye, ThreadPath
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.dead_centres import top_of_turn
+from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
+from comparisons.motion.case import Case, Motion, zero_of_output
+from comparisons.motion.thinning import stored_curve
+from comparisons.trials.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
+from comparisons.trials.runs.store import Curve
+from engines.contract import Origin, Signal
+from engines.scene import Channel
+
+Array = NDArray[np.float64]
+
+JOINT_FORCE = "joint_force:"
+LINEAR_TITLES: Mapping[str, str] = {
+    "phi": "travel of the drive",
+    "omega": "speed of the drive",
+    "epsilon": "acceleration of the drive",
+    "Jeq": "reduced mass, with the masses of the file",
+    "Mkr": "force of the drive",
+}
+TABLE = Path(__file__).with_name("quantities.toml")
+
+Reference = Callable[[Case, Array], Array]
+Observed = Callable[[Case, ObservedMotion], Signal]
+
+# Which samples lie at a jump of the driver's acceleration: one rule for all who judge or draw them.
+
+
+WINDOW: Final = 1e-2  # of the shortest time between two jumps, the start and the end: half of the window at a jump
+ROUNDING: Final = 1e-9  # of the half window
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A compared quantity: ``reference(case, time)`` is the truth, ``observed(case, motion)`` what the engine did.
+
+    Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
+    than given; ``clock`` is the channel whose samples it has; ``zero`` is where it is counted from, which the engine's
+    own motion shows only if its crank turns fully, or cannot.
+    """
+
+    name: str
+    reference: Reference
+    observed: Observed
+    unit: str
+    title: str
+    clock: Channel
+    also: frozenset[Channel] = frozenset()
+    holds_acceleration: bool = False
+    needs_output: bool = False
+    needs_thread: bool = False
+    prescribed: bool = True
+    free: bool = True
+    zero: str = ""
+
+    def origin(self, motion: ObservedMotion) -> Origin:
+        """The weakest origin of the engine's signals that the quantity is computed from."""
+        if self.name.startswith(JOINT_FORCE):
+            return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
+        return motion.origin(self.channels)
+
+    def lacking(self, motion: ObservedMotion) -> str:
+        """The channels, or the joint, it needs and the engine has not recorded; empty if all are there."""
+        if self.name.startswith(JOINT_FORCE):
+            joint = self.name.removeprefix(JOINT_FORCE)
+            return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
+        return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
+
+    def shared(self, case: Case, motion: ObservedMotion) -> str:
+        """The part of the value that is the reference's, not the engine's, in words; empty without one."""
+        if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
+            return ""
+        return self.zero if motion.last_turn is None else ""
+
+    def undefined(self, case: Case) -> str:
+        """Why the closed form does not have it in a case; empty where it has."""
+        try:
+            self.reference(case, np.zeros(1))
+        except LinkproofError as error:
+            return str(error)
+        return ""
+
+    @property
+    def channels(self) -> frozenset[Channel]:
+        """The channels that an engine has to record for it."""
+        return self.also | {self.clock}
+
+    def fits(self, case: Case) -> bool:
+        """Whether it is a result of the case's drive and its linkage has what it needs."""
+        is_result = self.prescribed if case.is_prescribed else self.free
+        linkage = case.mechanism.linkage
+        lacks = (self.needs_output and linkage.output is None) or (self.needs_thread and linkage.thread is None)
+        return is_result and not lacks
+
+
+def _inertia(case: Case, motion: ObservedMotion) -> Signal:
+    """Jeq = 2 T/ω², kg m² (kg of a linear drive), away from standstill."""
+    time = motion.signal(Channel.VELOCITY).time
+    fast = np.abs(case.at(time).speed) >= case.least_speed
+    inertia = 2.0 * motion.kinetic_energy(time)[fast] / motion.crank(Channel.VELOCITY, time)[fast] ** 2
+    return Signal(time[fast], inertia)
+
+
+def _kinetic_energy(case: Case, motion: ObservedMotion) -> Signal:
+    time = motion.signal(Channel.VELOCITY).time
+    return Signal(time, motion.kinetic_energy(time))
+
+
+def _power(case: Case, motion: ObservedMotion) -> Signal:
+    torque = motion.signal(Channel.TORQUE)
+    return Signal(torque.time, torque.values * motion.crank(Channel.VELOCITY, torque.time))
+
+
+def _displacement(case: Case, motion: ObservedMotion) -> Signal:
+    """S, m: displacement of the output, positive away from its farthest place.
+
+    That place is the engine's own where its motion shows it, in a full turn, or anywhere if the crank cannot make one;
+    else the closed form's.
+    """
+    place = _output_signal(Channel.POSITION, 0, case, motion)
+    turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
+    if not case.mechanism.repeats:  # a last turn shows one of several
+        turn = None
+    top = (
+        _farthest_coordinate(case)
+        if turn is None
+        else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
+    )
+    return Signal(place.time, top + place.values)
+
+
+def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
+    """The output's coordinate or a time derivative of it, positive away from top dead centre."""
+    time = motion.signal(channel).time
+    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
+
+
+def _farthest_coordinate(case: Case) -> float:
+    return zero_of_output(case.mechanism, case.motion)
+
+
+def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
+    time = motion.signal(channel).time
+    return Signal(time, motion.crank(channel, time))
+
+
+def _joint_force(joint: str) -> Quantity:
+    """The force in a joint as a quantity."""
+    return Quantity(
+        JOINT_FORCE + joint,
+        reference=lambda case, time: np.asarray(case.at(time).joint_forces[joint].T),
+        observed=lambda case, motion: motion.history.joint_force[joint],
+        unit="N",
+        title=f"force in joint {joint}",
+        clock=Channel.JOINT_FORCE,
+        holds_acceleration=True,
+    )
+
+
+def _thread(case: Case) -> ThreadPath:
+    """The linkage's thread; raises LinkproofError without one."""
+    thread = case.mechanism.linkage.thread
+    if thread is None:
+        raise LinkproofError(
+            f"'{case.mechanism.linkage.name}' has no thread, so it feeds none: add a [thread] to its file, or leave "
+            "thread_feed out"
+        )
+    return thread
+
+
+def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
+    """Feed from where the engine has the eyes, and its own contour at the reference angle in its last full turn."""
+    path, linkage = _thread(case), case.mechanism.linkage
+    time = motion.signal(Channel.POSITION).time
+    corners = []
+    for stop in path.stops:
+        if isinstance(stop, ThreadEye):
+            link = next(name for name, body in linkage.links.items() if stop.point in body.points)
+            local, centre = linkage.links[link].points[stop.point], linkage.links[link].centre
+            place = motion.point(link, (local[0] - centre[0], local[1] - centre[1]), time)
+            corners.append(np.column_stack([place, np.full(len(time), stop.z)]))
+        else:
+            corners.append(np.broadcast_to(np.asarray(stop.position), (len(time), 3)))
+    length = np.linalg.norm(np.diff(np.stack(corners), axis=0), axis=-1).sum(axis=0)
+    start, turn = reference_length(case.mechanism, path), motion.last_turn
+    if turn is not None:
+        angle = motion.crank(Channel.POSITION, time)[turn]
+        way = math.copysign(1.0, angle[-1] - angle[0])
+        turned = way * (reference_angle(case.mechanism, path) - angle[-1]) % FULL_TURN + way * angle[-1] - FULL_TURN
+        start = float(resample(Signal(way * angle, length[turn]), np.array([turned]), min(SHARP_POINTS, len(angle)))[0])
+    return Signal(time, feed_of_length(path, length, start))
+
+
+def _true_feed(case: Case, time: Array) -> Array:
+    return feed(case.mechanism, _thread(case), case.motion.angle(time))
+
+
+# Of each quantity of the table what the engine did; the truth is that of ``analytic.signals``.
+OBSERVED: Mapping[str, Observed] = {
+    "phi": partial(_crank_signal, Channel.POSITION),
+    "omega": partial(_crank_signal, Channel.VELOCITY),
+    "epsilon": partial(_crank_signal, Channel.ACCELERATION),
+    "Jeq": _inertia,
+    "Teq": _kinetic_energy,
+    "Mkr": lambda case, motion: motion.signal(Channel.TORQUE),
+    "Peq": _power,
+    "S": _displacement,
+    "v": partial(_output_signal, Channel.VELOCITY, 1),
+    "a": partial(_output_signal, Channel.ACCELERATION, 2),
+    "thread_feed": _thread_feed,
+}
+
+
+def _quantity(name: str, row: dict[str, Any]) -> Quantity:
+    """A quantity from its row of ``quantities.toml``."""
+    channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
+    if name not in SINGLE_SIGNALS:
+        return Quantity(name, _true_feed, OBSERVED[name], **{**row, **channels})
+    known = SINGLE_SIGNALS[name]
+    return Quantity(
+        name,
+        lambda case, time: np.asarray(known.formula(case.at(time))),
+        OBSERVED[name],
+        **{"unit": known.unit, **row, **channels},
+    )
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    name: _quantity(name, row) for name, row in tomllib.loads(TABLE.read_text(encoding="utf-8")).items()
+}
+
+
+def all_quantities(case: Case) -> dict[str, Quantity]:
+    """Every quantity that is a result of a case, those of its joints among them."""
+    joints = [_joint_force(joint) for joint in case.joint_names()]
+    return {q.name: _worded_for_drive(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+
+
+def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
+    """The quantity in the unit and words of what drives the linkage."""
+    linkage = case.mechanism.linkage
+    if not linkage.is_linear:
+        return quantity
+    title = LINEAR_TITLES.get(quantity.name, quantity.title)
+    return replace(quantity, unit=unit_of(quantity.name, quantity.unit, is_linear=True), title=title)
+
+
+def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
+    """The quantities of these names, in this order; by default all that fit the case.
+
+    ``joint_force`` stands for the forces of all joints. Raises UnknownNameError for a name that no case has, and
+    LinkproofError for one that this case has not.
+    """
+    known = all_quantities(case)
+    quantities: dict[str, Quantity] = {}
+    for name in names:
+        if name == JOINT_FORCE.rstrip(":"):
+            quantities |= {key: known[key] for key in known if key.startswith(JOINT_FORCE)}
+        elif name in known:
+            quantities[name] = known[name]
+        else:
+            _refuse_quantity(case, name, known)
+    return list((quantities or known).values())
+
+
+def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
+    """Raise LinkproofError for a quantity that the closed form does not have in this case."""
+    for quantity in quantities:
+        reason = quantity.undefined(case).partition(";")[0]
+        if reason:
+            raise LinkproofError(
+                f"{quantity.name} is undefined in regime '{case.motion.regime}', because {reason}; ask for other "
+                "quantities with --quantity"
+            )
+
+
+def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
+    """Raise an error that says why a case has no quantity of this name."""
+    if name not in QUANTITIES:
+        raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
+    if QUANTITIES[name].needs_output:
+        _ = case.output
+    if QUANTITIES[name].needs_thread:
+        _thread(case)
+    raise LinkproofError(
+        f"{name} is given, not a result, in regime '{case.motion.regime}' of '{case.mechanism.linkage.name}': ask for "
+        f"one of {', '.join(known)}"
+    )
+
+
+def near_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
+    """Which of the times (n,), s, lie in the window at any jump of a motion's acceleration; nowhere without a jump.
+
+    There accelerations, torques and forces have two true values. The window belongs to the motion: it is as wide for
+    long steps of an engine or a file as for short ones.
+    """
+    near = np.zeros(len(time), dtype=bool)
+    for jump in motion.jumps:
+        near |= near_jump(time, motion, jump)
+    return near
+
+
+def near_jump(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
+    """Which of the times (n,), s, lie in the window at one of the motion's jumps, s."""
+    pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
+    half = WINDOW * float(np.min(pieces, initial=motion.duration))
+    return np.asarray(np.abs(time - jump) <= half * (1.0 + ROUNDING))
+
+
+UNBOUNDED = "joint forces have no bound where the linkage passes its change point at {angle}"
+
+
+class NoSampleError(ValueError):
+    """No sample of a run allows a comparison of a quantity."""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
+
+    ``angle`` is the true crank angle at every sample, rad. ``observed`` and ``reference`` of a vector are its
+    magnitudes; its errors are those of the vector where the engine tells vectors. ``error_at_jumps`` is by how much the
+    largest error of a sample at a jump is over the size of the jump.
+    """
+
+    time: Array
+    angle: Array
+    observed: Array
+    reference: Array
+    peak: float
+    error_max: float
+    error_rms: float
+    worst_time: float
+    samples: int
+    left_out: int
+    error_at_jumps: float = 0.0
+
+    @property
+    def curve(self) -> Curve:
+        """The samples as a run's record has them."""
+        return stored_curve(self.time, self.angle, self.reference, self.observed - self.reference)
+
+
+def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
+    """Compare one quantity over every sample the engine returned.
+
+    Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own:
+    there an engine may be off by the jump besides. Samples of Jeq near standstill are left out and counted. A vector
+    of which the engine tells the magnitude is compared as a magnitude. Raises NoSampleError where no sample is left.
+    """
+    if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
+        raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+    if quantity.needs_thread and (reason := quantity.undefined(case)):
+        raise NoSampleError(reason)
+    return signal_deviation(case, quantity, quantity.observed(case, motion), len(_sample_times(quantity, motion)))
+
+
+def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
+    """Compare a signal that was read from an engine's motion; ``clock`` counts the engine's samples of it.
+
+    Raises NoSampleError where no sample is left.
+    """
+    counted = np.ones(len(signal.time), dtype=bool)
+    if quantity.holds_acceleration:
+        counted &= ~near_jumps(signal.time, case.motion)
+    if not counted.any():
+        raise NoSampleError(
+            f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
+        )
+    reference = quantity.reference(case, signal.time)
+    if signal.values.ndim < reference.ndim:
+        reference = _magnitudes(reference)
+    difference = _magnitudes(signal.values - reference)[counted]
+    peak = float(np.max(_magnitudes(reference)[counted]))
+    if peak == 0.0 and case.mechanism.linkage.is_massless:
+        raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
+    scale = peak or 1.0
+    worst = int(np.argmax(difference))
+    return Deviation(
+        time=signal.time,
+        angle=case.motion.angle(signal.time),
+        observed=signal.values if signal.values.ndim == 1 else _magnitudes(signal.values),
+        reference=reference if reference.ndim == 1 else _magnitudes(reference),
+        peak=peak,
+        error_max=float(difference[worst] / scale),
+        error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
+        worst_time=float(signal.time[counted][worst]),
+        samples=len(difference),
+        left_out=clock - len(difference),
+        error_at_jumps=_error_at_jumps(case, quantity, signal, reference) / scale,
+    )
+
+
+def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
+    """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
+    worst = 0.0
+    for jump in case.motion.jumps if quantity.holds_acceleration else ():
+        near = near_jump(signal.time, case.motion, jump)
+        if near.any():
+            before, after = _truth_beside_jump(case, quantity, jump)
+            error = _magnitudes(signal.values[near] - reference[near])
+            worst = max(worst, float(np.max(error - _magnitudes(after - before))))
+    return worst
+
+
+def _truth_beside_jump(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
+    """The truth just before and just after a jump, (1, ...) each; before the start the crank is at rest."""
+    driven = Case(case.mechanism, case.motion)  # a new case: a case stores the truth of few clocks only
+    after = quantity.reference(driven, np.array([jump]))
+    if jump > 0.0:
+        return quantity.reference(driven, np.array([np.nextafter(jump, 0.0)])), after
+    rest = Segment(0.0, case.motion.duration, (float(case.motion.angle(0.0)),))
+    resting = Case(case.mechanism, CrankMotion(case.motion.regime, (rest,)))
+    return quantity.reference(resting, np.array([jump])), after
+
+
+def _magnitudes(values: Array) -> Array:
+    """Magnitude of every sample: of a number, or of a vector along the last axis."""
+    return np.abs(values) if values.ndim == 1 else np.asarray(np.hypot(*values.T))
+
+
+def _sample_times(quantity: Quantity, motion: ObservedMotion) -> Array:
+    """Times at which the engine has samples of a quantity, those left out included."""
+    if quantity.clock is Channel.JOINT_FORCE:
+        return next(iter(motion.history.joint_force.values())).time
+    return motion.signal(quantity.clock).time

@@ -1,0 +1,200 @@
+"""Every signal of a history beside the closed form: the error of each body, of the torque and of each joint's force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.motion.case import Case, channel_truth
+from comparisons.trials.judging.quantities import near_jumps
+from comparisons.trials.observed_motion import resample
+from engines.contract import History, Signal
+from engines.mechanics.joints import scene_size
+from engines.scene import Channel, Scene
+
+Array = NDArray[np.float64]
+
+PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of a scalar
+LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
+# A joint's peak force below this share of the largest is nothing to measure its own error by.
+FAINT_FORCE: Final = 1e-9
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A signal of a history: place or angle of a body (``name``), force of a joint, torque of the drive.
+
+    ``time`` (n,), s, are its samples, ``columns`` those that it has of its body's or its joint's.
+    """
+
+    scene: Scene
+    history: History
+    channel: Channel
+    name: str
+    columns: slice
+    time: Array
+
+    @property
+    def values(self) -> Array:
+        """Samples of the signal, (n, k)."""
+        return self.values_at(self.time)
+
+    def values_at(self, time: Array) -> Array:
+        """Values of the signal at times, s, (n, k); outside of its own clock the first or the last."""
+        return self.channel_values(self.channel, self.name, time)[:, self.columns]
+
+    def channel_values(self, channel: Channel, name: str, time: Array) -> Array:
+        """All columns of a channel of the body or joint ``name`` at times, s, (n, columns)."""
+        if channel is Channel.JOINT_FORCE:
+            signal = self.history.joint_force[name]
+        else:
+            signal = getattr(self.history, channel.value)
+        values = resample(signal, np.clip(time, signal.time[0], signal.time[-1]))
+        return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
+
+    def body_number(self, body: str) -> int:
+        """The place of a body in the scene."""
+        return [each.name for each in self.scene.bodies].index(body)
+
+    @property
+    def is_meaningless(self) -> bool:
+        """Whether it is the angle of a point: of a mass at a pin, which no joint keeps from turning."""
+        guided = {slider.body for slider in self.scene.sliders}
+        is_angle = self.channel in LEVELS and self.columns == ANGLE
+        return is_angle and self.name not in guided and self.scene.bodies[self.body_number(self.name)].inertia is None
+
+    @property
+    def words(self) -> str:
+        """The name of the signal for a reader."""
+        if self.channel not in LEVELS:
+            return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
+        kind = "" if self.channel is Channel.POSITION else self.channel.value
+        turning = f"angular {kind}" if kind else "angle"
+        return f"{turning if self.columns == ANGLE else kind or 'place'} of body '{self.name}'"
+
+
+def readings(scene: Scene, history: History) -> Iterator[Reading]:
+    """Every signal of a history."""
+    for channel in (*LEVELS, Channel.TORQUE):
+        signal = getattr(history, channel.value)
+        bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
+        for number, name in enumerate(bodies if signal is not None else []):
+            columns = NUMBER if channel is Channel.TORQUE else (PLACE, ANGLE)[number % 2]
+            yield Reading(scene, history, channel, name, columns, signal.time)
+    for joint, signal in history.joint_force.items():
+        columns = PLACE if signal.values.ndim > 1 else NUMBER
+        yield Reading(scene, history, Channel.JOINT_FORCE, joint, columns, signal.time)
+
+
+def true_history(case: Case, scene: Scene, history: History) -> History:
+    """The closed form of all signals of a history, of magnitudes alone where it has no more.
+
+    Angles are continuous, as those of engines are.
+    """
+
+    def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
+        values = np.stack([channel_truth(case, channel, name, signal.time) for name in names], axis=1)
+        if channel is Channel.POSITION:
+            values[..., 2] = np.unwrap(values[..., 2], axis=0)
+        return Signal(signal.time, values if channel in LEVELS else values[:, 0])
+
+    bodies = [body.name for body in scene.bodies]
+    signals = {channel.value: getattr(history, channel.value) for channel in (*LEVELS, Channel.TORQUE)}
+    forces = {name: right(Channel.JOINT_FORCE, [name], signal) for name, signal in history.joint_force.items()}
+    for name, signal in history.joint_force.items():
+        if signal.values.ndim == 1:
+            forces[name] = Signal(signal.time, np.hypot(*forces[name].values.T))
+    return History(
+        **{name: signal and right(Channel(name), bodies, signal) for name, signal in signals.items()},
+        joint_force=forces,
+    )
+
+
+@dataclass(frozen=True)
+class SignalError:
+    """What an engine has of one signal beside the truth; the error is over ``scale``, in the signal's unit.
+
+    ``scale`` is the linkage's size or a radian for a position; for a velocity or an acceleration its peak over all
+    bodies, of their places or of their angles; for a torque or a force its own peak.
+    """
+
+    read: Reading
+    true: Reading
+    scale: float
+    counted: NDArray[np.bool_]
+
+    @property
+    def scale_words(self) -> str:
+        """What an error is a share of, in words behind its number."""
+        if self.read.channel is not Channel.POSITION:
+            return "of the peak"
+        return "rad" if self.read.columns == ANGLE else "of the linkage's size"
+
+    @property
+    def components(self) -> Array:
+        """The errors' components (n, k), 0 where the truth has two values, infinite where it has none."""
+        difference = np.abs(self.read.values - self.true.values) / self.scale
+        return np.where(self.counted[:, None], np.nan_to_num(difference, nan=np.inf), 0.0)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Magnitudes of the errors, (n,)."""
+        return np.asarray(np.hypot.reduce(self.components, axis=1))
+
+    @property
+    def largest(self) -> float:
+        """The largest magnitude."""
+        return float(np.max(self.sizes))
+
+    @property
+    def worst_time(self) -> float:
+        """When it is largest, s."""
+        return float(self.read.time[np.argmax(self.sizes)])
+
+
+def signal_errors(
+    case: Case, scene: Scene, history: History, channels: Iterable[Channel] = tuple(Channel)
+) -> list[SignalError]:
+    """The error of every body's place and angle, of the torque and of every joint's force, in these channels.
+
+    At jumps of the acceleration accelerations, torque and forces have two values, and no error. A released crank's
+    torque is given, and forces have no bound where the linkage passes a change point: these are left out. Raises
+    LinkproofError where the closed form has no value, as in a dead position.
+    """
+    left_out = {Channel.TORQUE} if not case.is_prescribed else set()
+    left_out |= {Channel.JOINT_FORCE} if case.unbounded_at is not None else set()
+    given: dict[str, Any] = {c.value: getattr(history, c.value) for c in channels if c not in left_out}
+    only = History(**given)
+    pairs = zip(readings(scene, only), readings(scene, true_history(case, scene, only)), strict=True)
+    signals = [(read, true, _counted(case, read)) for read, true in pairs if not read.is_meaningless]
+    peaks: dict[tuple[Channel, str, int], float] = {}
+    for _, true, counted in signals:
+        sizes = np.hypot.reduce(true.values[counted], axis=1)
+        peaks[_kind(true)] = max(peaks.get(_kind(true), 0.0), float(np.max(sizes, initial=0.0)))
+    strongest = max((peak for (channel, *_), peak in peaks.items() if channel is Channel.JOINT_FORCE), default=0.0)
+
+    def scale(true: Reading) -> float:
+        if true.channel is Channel.POSITION:
+            return 1.0 if true.columns == ANGLE else scene_size(scene)
+        least = FAINT_FORCE * strongest if true.channel is Channel.JOINT_FORCE else 0.0
+        return max(peaks[_kind(true)], least) or 1.0
+
+    return [SignalError(read, true, scale(true), counted) for read, true, counted in signals]
+
+
+def _kind(reading: Reading) -> tuple[Channel, str, int]:
+    """Which signals share a peak: places of all bodies, or their angles; a force has its own."""
+    is_force = reading.channel is Channel.JOINT_FORCE
+    return (reading.channel, reading.name if is_force else "", reading.columns.start)
+
+
+def _counted(case: Case, reading: Reading) -> NDArray[np.bool_]:
+    """Which samples have one true value."""
+    if reading.channel in (Channel.POSITION, Channel.VELOCITY):
+        return np.ones(len(reading.time), dtype=bool)
+    return ~near_jumps(reading.time, case.motion)

@@ -1,0 +1,115 @@
+"""Runs on the workers of a Dask scheduler that the user has started, each isolated there as it is on this machine."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import threading
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, Final, TypeVar
+from uuid import uuid4
+
+from analytic.errors import LinkproofError
+from comparisons.trials.runs.run_engine import Failure, Lost
+from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Begun, Bounds, LastingPool
+
+R = TypeVar("R")
+
+CONNECT_TIMEOUT: Final = 20.0  # s within which a scheduler answers and has a worker
+_THREAD: Final = threading.local()  # each thread of a Dask worker has a worker process of its own
+
+
+@dataclass(frozen=True)
+class DaskPool:
+    """The workers of the scheduler at an ``address``; of one, one run at a time, if ``is_one_by_one``.
+
+    Where a worker dies, the scheduler has another make its runs again, until the third has died of one.
+    """
+
+    address: str
+    is_one_by_one: bool = False
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, as ``run_jobs`` does; two for every thread are under way.
+
+        Raises LinkproofError where there is no scheduler, no worker, or one of another version.
+        """
+        with self._client() as client:
+            threads = client.nthreads()
+            first = min(threads) if self.is_one_by_one else None
+            size = 1 if first else 2 * sum(threads.values())
+            left, numbers, ended = enumerate(jobs), {}, _as_completed(client)
+
+            def submit() -> None:
+                for number, job in left:
+                    begun(number)
+                    future = client.submit(
+                        _isolated, function, job, bounds,
+                        key=f"linkproof-{uuid4().hex}", workers=first, allow_other_workers=first is not None,
+                    )  # fmt: skip
+                    numbers[future.key] = number
+                    ended.add(future)
+                    return
+
+            for _ in range(size):
+                submit()
+            for future in ended:
+                result = self._result(future)
+                submit()
+                yield numbers.pop(future.key), result
+
+    def close(self) -> None:
+        """Nothing is left of a list of jobs."""
+
+    def _client(self) -> Any:  # noqa: ANN401 - distributed has no types
+        """A connection to the scheduler, by the security that the user's configuration of Dask names."""
+        try:
+            from distributed import Client  # noqa: PLC0415
+        except ModuleNotFoundError as error:
+            raise LinkproofError(f"--scheduler: {error}; pip install 'linkproof[dask]' brings it") from error
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is wrong is said below
+        try:
+            client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)
+            client.wait_for_workers(1, CONNECT_TIMEOUT)
+            versions = client.run(version, "linkproof")
+        except Exception as error:  # of its configuration, its network, its workers
+            raise LinkproofError(
+                f"--scheduler: no workers at '{self.address}' ({type(error).__name__}: {error}); give the address of a "
+                "Dask scheduler that runs and has workers with linkproof"
+            ) from error
+        others = sorted({found for found in versions.values() if found != version("linkproof")})
+        if others:
+            raise LinkproofError(f"--scheduler: its workers have linkproof {', '.join(others)}: install the same there")
+        return client
+
+    def _result(self, future: Any) -> Any:  # noqa: ANN401
+        """The result of a job; raises LinkproofError where the scheduler has ended."""
+        from distributed import KilledWorker  # noqa: PLC0415
+
+        try:
+            return future.result()
+        except KilledWorker:
+            return Lost(Failure.CRASHED, "every Dask worker that it was given to died")
+        except Exception as error:
+            raise LinkproofError(f"--scheduler: '{self.address}' gave no result: {error}; run again") from error
+
+
+def _as_completed(client: Any) -> Any:  # noqa: ANN401
+    from distributed import as_completed  # noqa: PLC0415
+
+    return as_completed(loop=client.loop)
+
+
+def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: Bounds) -> R | Lost:
+    """On a Dask worker: the result of a job in a process of this thread's own."""
+    multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
+    pool: LastingPool = _THREAD.__dict__.setdefault("pool", LastingPool())
+    return next(result for _, result in pool.run(function, [job], bounds))

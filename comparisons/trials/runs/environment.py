@@ -1,0 +1,61 @@
+"""The environment of a campaign: versions, machine, commit, date."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import platform
+import subprocess
+from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from comparisons.trials.runs.plugins import engines as adapters
+from engines.registry import engine_names
+
+PACKAGES = ("linkproof", "numpy", "scipy")
+# What an environment holds that no result depends on.
+INCIDENTAL = ("date", "machine")
+
+
+def environment(engines: Sequence[str] = ()) -> dict[str, str]:
+    """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
+    facts, here = {name: _version(name) for name in PACKAGES}, engine_names()
+    facts |= {engine.name: engine.version() or "" for engine in adapters([name for name in engines if name in here])}
+    return {
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "python": platform.python_version(),
+        **{name: version for name, version in facts.items() if version},
+        "machine": f"{platform.system()} {platform.machine()}, {_processor()}, {os.cpu_count()} cores",
+        "commit": _commit(),
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def _processor() -> str:
+    """The processor's own name where the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or "unknown processor"
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or "unknown processor"
+
+
+@cache
+def _commit() -> str:
+    """The commit the program runs from, if it runs from a checkout."""
+    folder = Path(__file__).parent
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty"]
+    try:
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", timeout=5, check=False)
+    except (OSError, subprocess.SubprocessError):
+        return "not from a checkout"
+    return done.stdout.strip() or "not from a checkout"

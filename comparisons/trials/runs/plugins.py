@@ -1,0 +1,109 @@
+"""Engines by name. A plug-in is imported in worker processes alone, where importing it may hang or crash.
+
+The command's process asks a worker, once, for what it has to know of a plug-in. Without worker processes a plug-in is
+imported where it is run.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from analytic.errors import LinkproofError
+from comparisons.trials.runs.run_engine import AdapterError, Failure, Lost, blamed_on
+from comparisons.trials.runs.workers import Bounds, run_jobs
+from engines import registry
+from engines.contract import Abilities, Engine, Method, Run, Setting, StudiedEngine
+from engines.scene import Scene
+
+LONGEST_LOADING: Final = Bounds(30.0)  # within which a plug-in must be imported and tell what it can do
+_ASKED: Final[dict[tuple[str, str], Engine]] = {}  # plug-ins by name and entry point
+
+
+@dataclass
+class PluginEngine:
+    """What a worker has told of a plug-in's engine; ``methods`` asks for more, and ``run`` imports it here."""
+
+    name: str
+    module: str
+    is_control: bool
+    abilities: Abilities
+    work_unit: str
+    told_version: str | None
+    absent: str | None
+
+    def version(self) -> str | None:
+        """The engine's version; None where it is absent."""
+        return self.told_version
+
+    def why_unavailable(self) -> str | None:
+        """Why it cannot be used, None where it can."""
+        return self.absent
+
+    def methods(self, scene: Scene) -> tuple[Method, ...]:
+        """The engine's ways of stepping that can be studied; raises AdapterError where it cannot tell them."""
+        ((_, told),) = run_jobs(_methods, [(self.name, scene)], bounds=LONGEST_LOADING, processes=1)
+        if isinstance(told, Lost):
+            raise AdapterError(told.reason)
+        return told
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        """Run the engine in this process."""
+        return registry.engine(self.name).run(scene, setting)
+
+    def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        """Run the engine by a method in this process."""
+        adapter = registry.engine(self.name)
+        assert isinstance(adapter, StudiedEngine)
+        return adapter.run_method(scene, method, step)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """In another process it is the engine itself."""
+        return registry.engine, (self.name,)
+
+
+def _methods(name: str, scene: Scene) -> tuple[Method, ...]:
+    """In a worker: the methods of a plug-in's engine."""
+    adapter = registry.engine(name)
+    with blamed_on(adapter):
+        return adapter.methods(scene) if isinstance(adapter, StudiedEngine) else ()
+
+
+def _facts(name: str) -> tuple[Any, ...]:
+    """In a worker: the values of a ``PluginEngine``; raises AdapterError for a plug-in that cannot be loaded."""
+    adapter = registry.engine(name)
+    with blamed_on(adapter):
+        if isinstance(adapter, registry.Unusable):
+            raise adapter.error
+        absent, unit = registry.why_unavailable(adapter), getattr(adapter, "work_unit", "")
+        return name, type(adapter).__module__, adapter.is_control, adapter.abilities, unit, adapter.version(), absent
+
+
+def engine(name: str) -> Engine:
+    """The adapter of that name, or its stand-in; raises UnknownNameError for a name that nobody announces."""
+    return engines((name,))[0]
+
+
+def engines(names: Sequence[str]) -> list[Engine]:
+    """The adapters of these names, as ``engine`` has them; plug-ins are all asked at the same time."""
+    if multiprocessing.current_process().daemon:  # a worker
+        return [registry.engine(name) for name in names]
+    plugins = {name: (name, registry.entry_point(name).value) for name in names if registry.is_plugin(name)}
+    new = [key for key in plugins.values() if key not in _ASKED]
+    try:
+        for number, told in run_jobs(_facts, [(name,) for name, _ in new], bounds=LONGEST_LOADING):
+            _ASKED[new[number]] = _known(new[number][0], told)
+    except LinkproofError:  # no worker can be started
+        _ASKED.update({key: registry.engine(key[0]) for key in new})
+    return [_ASKED[plugins[name]] if name in plugins else registry.engine(name) for name in names]
+
+
+def _known(name: str, told: tuple[Any, ...] | Lost) -> Engine:
+    """A plug-in's engine by what a worker has told of it, or a stand-in by how the worker was lost."""
+    if not isinstance(told, Lost):
+        return PluginEngine(*told)
+    whole = told.outcome in (Failure.ADAPTER_ERROR, Failure.SUITE_ERROR)
+    reason = told.reason if whole else f"the adapter of {name} cannot be loaded: its process {told.reason}"
+    return registry.stand_in(name, AdapterError(reason))

@@ -1,0 +1,397 @@
+"""The results of a folder in one SQLite file: its studies, their runs, and the errors and the curves of these.
+
+A folder has at most one finished study of a kind (``compare``, ``judge``, ``bench``, ``stress``, ``results``), and the
+runs of one request that is not finished. Every run is added in a transaction of its own, so that a killed process
+loses no more than the run that it was making.
+
+A file may come from a stranger. It is read only if its tables are exactly ours and SQLite finds each value of the type
+of its column; nothing in it is run, and nothing is written while it is read.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import weakref
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import asdict, dataclass, field, is_dataclass
+from itertools import islice, zip_longest
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from analytic.errors import LinkproofError
+from comparisons.trials.runs.files import STORE, Claim, check_folder, claim
+
+R = TypeVar("R")
+Curve = NDArray[np.float32]  # (4, samples): CURVE
+WrittenRun = tuple[str, Mapping[str, Any], Mapping[str, Curve]]  # key, row and curves
+
+FORMAT: Final = 6  # of the file and of what is in it; it counts up where they change
+REPEAT_HINT: Final = "run {} with --out again"
+UNFINISHED: Final = ""  # the kind of a study that is not finished
+LARGEST: Final = 1 << 28  # bytes of a text or a curve
+BEFORE: Final = "study.json"  # the document of a study up to format 5, in a folder of the study's name
+_SUPER_JOURNAL: Final = bytes.fromhex("d9d505f920a163d7")  # ends a rollback journal that names another file
+
+# A run's ``errors`` and ``invariants`` (``is_check``) are rows of a table of their own, with these columns.
+ERRORS: Final = {
+    "quantity": "TEXT NOT NULL",
+    "unit": "TEXT NOT NULL",
+    "error_max": "REAL",
+    "error_rms": "REAL",
+    "error_at_jumps": "REAL NOT NULL",
+    "limit": "REAL",
+    "outcome": "TEXT NOT NULL",
+    "detail": "TEXT NOT NULL",
+    "peak": "REAL",
+    "worst_time": "REAL",
+    "samples": "INTEGER NOT NULL",
+    "left_out": "INTEGER NOT NULL",
+    "origin": "TEXT NOT NULL",
+    "shared": "TEXT NOT NULL",
+}
+# The rows of a curve: s, rad (m of a linear drive), and twice the unit of its quantity, "error" being what is observed
+# beyond the reference.
+CURVE: Final = ("time", "angle", "reference", "error")
+_COLUMNS: Final = ", ".join(f'"{name}"' for name in ERRORS)
+_SCHEMA: Final = (
+    "CREATE TABLE studies (id INTEGER PRIMARY KEY, kind TEXT NOT NULL UNIQUE, request TEXT NOT NULL, "
+    "command TEXT NOT NULL, document TEXT NOT NULL) STRICT",
+    "CREATE TABLE runs (id INTEGER PRIMARY KEY, study INTEGER NOT NULL REFERENCES studies ON DELETE CASCADE, "
+    "key TEXT NOT NULL, facts TEXT NOT NULL, UNIQUE (study, key)) STRICT",
+    "CREATE TABLE errors (run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE, is_check INTEGER NOT NULL, "
+    + ", ".join(f'"{name}" {kind}' for name, kind in ERRORS.items())
+    + ") STRICT",
+    "CREATE INDEX errors_of_run ON errors (run)",
+    "CREATE TABLE curves (run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE, name TEXT NOT NULL, "
+    + ", ".join(f"{name} BLOB NOT NULL" for name in CURVE)
+    + ", UNIQUE (run, name)) STRICT",
+)
+
+
+@dataclass(eq=False)
+class Runs:
+    """The runs of a study in an open file, by key; they come back in the order in which they were added.
+
+    A run is a ``row``, JSON-ready, whose ``errors`` and ``invariants`` have the columns ``ERRORS``, and its curves,
+    single precision, by name.
+    """
+
+    connection: sqlite3.Connection
+    study: int
+    lock: Claim | None = None  # keeps other processes out of the folder
+    _numbers: dict[str, int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        found = self.connection.execute("SELECT key, id FROM runs WHERE study = ? ORDER BY id", (self.study,))
+        self._numbers = dict(found)
+
+    @property
+    def keys(self) -> Sequence[str]:
+        """The keys of all runs."""
+        return list(self._numbers)
+
+    def __contains__(self, key: object) -> bool:
+        """Whether there is a run of this key."""
+        return key in self._numbers
+
+    def add(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve] | None = None) -> None:
+        """Add a run in one transaction; it takes the place of another of the same key.
+
+        Raises ValueError for a number of the row that is not finite.
+        """
+        with _transaction(self.connection):
+            self.put(key, row, curves or {})
+
+    def put(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve]) -> None:
+        """Add a run within a transaction of the caller's."""
+        facts = {name: value for name, value in row.items() if name not in ("errors", "invariants")}
+        text = json.dumps(facts, ensure_ascii=False, allow_nan=False)
+        execute, many = self.connection.execute, self.connection.executemany
+        if key in self._numbers:
+            execute("DELETE FROM runs WHERE id = ?", (self._numbers.pop(key),))
+        number = execute("INSERT INTO runs (study, key, facts) VALUES (?, ?, ?)", (self.study, key, text)).lastrowid
+        assert number is not None
+        for is_check, part in enumerate(("errors", "invariants")):
+            rows = ((number, is_check, *(error[name] for name in ERRORS)) for error in row.get(part, ()))
+            many(f"INSERT INTO errors VALUES (?, ?{', ?' * len(ERRORS)})", rows)
+        blobs = ((number, name, *(row.tobytes() for row in _little(curve))) for name, curve in curves.items())
+        many(f"INSERT INTO curves VALUES (?, ?{', ?' * len(CURVE)})", blobs)
+        self._numbers[key] = number
+
+    def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Curve]]:
+        """The row and the curves of a run, these read when they are needed; raises KeyError.
+
+        Of the row ``errors`` and ``invariants`` are tuples of values, in the order of ``ERRORS``.
+        """
+        number = self._numbers[key]
+        (text,) = self.connection.execute("SELECT facts FROM runs WHERE id = ?", (number,)).fetchone()
+        errors = self.connection.execute(f"SELECT is_check, {_COLUMNS} FROM errors WHERE run = ?", (number,))
+        return _row(text, errors), _Curves(self.connection, number)
+
+    def every(self) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
+        """Row and curves of every run as ``read`` has them, in one pass over the file."""
+        mine = "FROM errors WHERE run IN (SELECT id FROM runs WHERE study = ?)"
+        counts = {
+            number: (count - checks, checks)
+            for number, count, checks in self.connection.execute(
+                f"SELECT run, count(*), sum(is_check) {mine} GROUP BY run", (self.study,)
+            )
+        }
+        errors = self.connection.execute(f"SELECT {_COLUMNS} {mine} ORDER BY run, rowid", (self.study,))
+        facts = "SELECT id, facts FROM runs WHERE study = ? ORDER BY id"
+        for number, text in self.connection.execute(facts, (self.study,)):
+            parts = [list(islice(errors, count)) for count in counts.get(number, (0, 0))]
+            yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, number)
+
+    def clear(self) -> None:
+        """Remove the study with its runs."""
+        with _transaction(self.connection):
+            self.connection.execute("DELETE FROM studies WHERE id = ?", (self.study,))
+        self._numbers.clear()
+
+
+def _row(text: str, errors: Iterable[tuple[Any, ...]]) -> dict[str, Any]:
+    """A run's row, of its facts as JSON and of its errors, each after whether it is a check."""
+    parts: tuple[list[tuple[Any, ...]], ...] = ([], [])
+    for error in errors:
+        parts[error[0] != 0].append(error[1:])
+    return {**json.loads(text), "errors": parts[0], "invariants": parts[1]}
+
+
+def _little(curve: Curve) -> Curve:
+    """A curve with the lower byte of its numbers first, as files have it."""
+    return np.ascontiguousarray(curve, dtype="<f4")
+
+
+@dataclass(frozen=True)
+class _Curves(Mapping[str, Curve]):
+    """The curves of a run, left in their file."""
+
+    connection: sqlite3.Connection
+    run: int
+
+    def __getitem__(self, name: str) -> Curve:
+        query = f"SELECT {', '.join(CURVE)} FROM curves WHERE run = ? AND name = ?"
+        blobs = self.connection.execute(query, (self.run, name)).fetchone()
+        if blobs is None:
+            raise KeyError(name)
+        return np.array([np.frombuffer(blob, dtype="<f4") for blob in blobs])
+
+    def __iter__(self) -> Iterator[str]:
+        names = self.connection.execute("SELECT name FROM curves WHERE run = ? ORDER BY rowid", (self.run,))
+        return (name for (name,) in names.fetchall())
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+
+_BEGUN: weakref.WeakValueDictionary[Path, Runs] = weakref.WeakValueDictionary()  # by folder: one connection writes
+
+
+def temporary_runs() -> Runs:
+    """Runs in a file without a name, which goes with the process."""
+    connection = sqlite3.connect("", isolation_level=None)
+    connection.execute("PRAGMA foreign_keys = ON")
+    _make_tables(connection)
+    return _new_study(connection, UNFINISHED)
+
+
+def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
+    """The runs of a request that are finished, and how another request differed that was begun here; empty if none.
+
+    ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
+    else that decides its results, such as versions. ``command`` repeats it with every option. The runs of another
+    request are removed. As long as the runs live no other process may write into the folder.
+    """
+    lock, connection = claim(folder), _open(folder, to_write=True)
+    _check_values(connection, folder)
+    with store_errors(folder), _transaction(connection):
+        found = connection.execute("SELECT id, request FROM studies WHERE kind = ?", (UNFINISHED,)).fetchone()
+        number, begun = found or (None, request)
+        lines = zip_longest(begun.splitlines(), request.splitlines(), fillvalue="nothing")
+        other = next((f"`{then}`, now `{now}`" for then, now in lines if then != now), "")
+        if number is None or other:
+            runs = _new_study(connection, UNFINISHED, request=request)
+        else:
+            runs = Runs(connection, number)
+        connection.execute("UPDATE studies SET command = ? WHERE id = ?", (command, runs.study))
+    runs.lock = lock
+    _BEGUN[folder.resolve()] = runs
+    return runs, other
+
+
+def save_study(
+    folder: Path, kind: str, document: Mapping[str, Any], runs: Iterable[WrittenRun], instead_of: Iterable[str] = ()
+) -> None:
+    """Write a study in one transaction, in the place of one of its kind and of those of the other kinds named.
+
+    The runs may come from a generator; they do not stay in memory.
+    """
+    lock = claim(folder)
+    begun = _BEGUN.get(folder.resolve())
+    with ExitStack() as stack:
+        connection = begun.connection if begun else stack.enter_context(closing(_open(folder, to_write=True)))
+        stack.enter_context(store_errors(folder, kind))
+        stack.enter_context(_transaction(connection))
+        for other in instead_of:
+            connection.execute("DELETE FROM studies WHERE kind = ?", (other,))
+        study = _new_study(connection, kind, document=to_json(document))
+        for run in runs:
+            study.put(*run)
+    del lock
+
+
+def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", document: str = "{}") -> Runs:
+    """An empty study in the place of another of its kind."""
+    connection.execute("DELETE FROM studies WHERE kind = ?", (kind,))
+    words = (kind, request, "", document)
+    made = connection.execute("INSERT INTO studies (kind, request, command, document) VALUES (?, ?, ?, ?)", words)
+    assert made.lastrowid is not None
+    return Runs(connection, made.lastrowid)
+
+
+def to_json(document: Mapping[str, Any]) -> str:
+    """JSON text with records written out; NaN never appears."""
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_json_value) + "\n"
+
+
+def _json_value(value: object) -> object:
+    """A data class as JSON has it, with its ``sentence`` if it has one; raises TypeError for anything else."""
+    if not is_dataclass(value) or isinstance(value, type):
+        raise TypeError(f"cannot write {type(value).__name__} as JSON")
+    sentence = getattr(value, "sentence", None)
+    return asdict(value) | ({"sentence": sentence} if sentence is not None else {})
+
+
+def has_study(folder: Path, kind: str) -> bool:
+    """Whether a folder has a finished study of this kind, or an older version's."""
+    return (folder / kind / BEFORE).is_file() or _one(folder, "SELECT 1 FROM studies WHERE kind = ?", kind) is not None
+
+
+def unfinished_command(folder: Path) -> str:
+    """The command that began what is unfinished in a folder; empty if nothing is."""
+    found: str = _one(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
+    return found
+
+
+def load_study(
+    folder: Path, kind: str, form: TypeAdapter[Any], read: Callable[[Mapping[str, Any], Mapping[str, Curve]], R]
+) -> tuple[dict[str, Any], tuple[R, ...]]:
+    """The document of a study, which has the ``form``, and its runs, of which ``read`` makes each.
+
+    Raises LinkproofError where the study is missing, damaged, or of another version.
+    """
+    found = _one(folder, "SELECT id, document FROM studies WHERE kind = ?", kind, whole=True)
+    if found is None:
+        raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
+    connection = _open(folder)
+    _check_values(connection, folder, kind)
+    with store_errors(folder, kind):
+        document = json.loads(found[1])
+        form.validate_python(document)
+        runs = Runs(connection, found[0])
+        return document, tuple(read(row, curves) for row, curves in runs.every())
+
+
+def _one(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
+    """The first row of a query about a kind of study, or its only value; None where the folder has no such study."""
+    check_folder(folder)
+    if kind and (folder / kind / BEFORE).is_file():
+        raise LinkproofError(
+            f"'{folder / kind}' was made by an older version of linkproof: {REPEAT_HINT.format(kind)}, into a new "
+            "folder"
+        )
+    if not (folder / STORE).is_file():
+        return None
+    with store_errors(folder, kind), closing(_open(folder)) as connection:
+        found = connection.execute(query, (kind,)).fetchone()
+    return found if whole or found is None else found[0]
+
+
+@contextmanager
+def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
+    """Turn errors of a file that cannot be read or written into LinkproofError."""
+    try:
+        yield
+    except (sqlite3.Error, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        cure = REPEAT_HINT.format(kind) if kind else "give another folder"
+        raise LinkproofError(f"'{folder / STORE}' cannot be used: {fault_words(error)}; {cure}") from error
+
+
+def fault_words(error: Exception) -> str:
+    """Why a saved file cannot be read: the first fault with its key of a ValidationError, else the error's text."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors(include_url=False, include_input=False)[0]
+    return ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
+
+
+def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
+    """The folder's file; raises LinkproofError for one that is not ours.
+
+    What a killed process left half-written is rolled back, which needs a folder that can be written.
+    """
+    check_folder(folder)
+    path, journal = folder / STORE, folder / f"{STORE}-journal"
+    with store_errors(folder):
+        is_torn = journal.is_file()
+        if is_torn and journal.read_bytes()[-len(_SUPER_JOURNAL) :] == _SUPER_JOURNAL:
+            raise ValueError(f"{journal.name} names another file")
+        is_new = to_write and not (path.is_file() and path.stat().st_size)
+        mode = "rwc" if is_new else "rw" if to_write or is_torn else "ro"
+        address = f"{path.absolute().as_uri()}?mode={mode}"
+        connection = sqlite3.connect(address, uri=True, isolation_level=None)
+        try:
+            connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST)
+            connection.execute("PRAGMA trusted_schema = OFF")
+            connection.execute("PRAGMA foreign_keys = ON")
+            if is_new:
+                _make_tables(connection)
+            _check_tables(connection)
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+
+def _make_tables(connection: sqlite3.Connection) -> None:
+    connection.execute("PRAGMA auto_vacuum = FULL")
+    with _transaction(connection):
+        for table in _SCHEMA:
+            connection.execute(table)
+        connection.execute(f"PRAGMA user_version = {FORMAT}")
+
+
+def _check_tables(connection: sqlite3.Connection) -> None:
+    """Raise ValueError for a file whose tables are not exactly ours."""
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version != FORMAT:
+        raise ValueError("another version of linkproof, or another program, has made it")
+    tables = connection.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid")
+    if tuple(sql for (sql,) in tables) != _SCHEMA:
+        raise ValueError("its tables are not those of linkproof")
+
+
+def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") -> None:
+    """Raise LinkproofError for a file that is damaged, or has a value of another type than its column's."""
+    with store_errors(folder, kind):
+        (verdict,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+        if verdict != "ok":
+            raise ValueError(f"it is damaged ({verdict})")
+        lengths = " OR ".join(f"length({name}) <> length(time)" for name in CURVE)
+        if connection.execute(f"SELECT 1 FROM curves WHERE length(time) % 4 OR {lengths} LIMIT 1").fetchone():
+            raise ValueError("it has a curve with rows of different lengths")
+
+
+@contextmanager
+def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """All that is written in the block, or nothing."""
+    with connection:
+        connection.execute("BEGIN IMMEDIATE")
+        yield

@@ -1,0 +1,202 @@
+"""Worker processes for lists of jobs: one that crashes, hangs or runs out of memory costs its own job alone.
+
+What starts processes is imported with the first worker: where a system has none, jobs run in this process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
+
+from analytic.machine_code import cores
+from comparisons.trials.runs.run_engine import GIB, Failure, Lost, lost
+
+if TYPE_CHECKING:
+    from comparisons.trials.runs.worker_process import Worker
+
+R = TypeVar("R")
+Begun = Callable[[int], object]
+
+_PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of one job: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
+
+    Address space counts reserved memory, used or not. It is bounded where the system can (Linux).
+    """
+
+    seconds: float = 600.0
+    memory: int = 4 * GIB
+
+
+DEFAULT_BOUNDS = Bounds()
+
+
+def most_processes() -> int:
+    """The number of cores; 0 where this Python has no processes, as in a browser."""
+    try:
+        import multiprocessing.synchronize  # noqa: F401, PLC0415
+    except ImportError:
+        return 0
+    return cores()
+
+
+def usual_processes(count: int) -> int:
+    """The default number of processes for ``count`` jobs: ``most_processes``, or 0 for a single job."""
+    return 0 if count == 1 else most_processes()
+
+
+class Pool(Protocol):
+    """Where runs are made: ``LocalPool``, ``LastingPool`` or ``comparisons.trials.runs.cluster.DaskPool``."""
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
+        ...
+
+
+class LastingPool:
+    """Worker ``processes`` of this machine that outlive a list of jobs, so that they import and warm up once.
+
+    A list whose results are not all taken ends the workers, and so does ``close``.
+    """
+
+    def __init__(self, processes: int = 1) -> None:
+        self.processes = processes
+        self._free: list[Worker] = []
+        self._busy: dict[Future[bytes], Worker] = {}
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job in these workers, as ``run_jobs`` does."""
+        pickled, module, left = pickle.dumps(function), _module_name(function), enumerate(jobs)
+        ended: list[tuple[int, R | Lost]] = []
+        try:
+            while True:
+                while len(self._busy) < self.processes and (numbered := next(left, None)) is not None:
+                    arguments = pickle.dumps(numbered[1], pickle.HIGHEST_PROTOCOL)
+                    self._begin(self._worker(module), (numbered[0], pickled, arguments, bounds), begun)
+                yield from ended
+                if not self._busy:
+                    return
+                ended = list(self._ended(module, begun))
+        except BaseException:
+            self.close()
+            raise
+
+    def _worker(self, module: str) -> Worker:
+        """A worker that is free, or a new one for jobs of a module; raises LinkproofError where there can be none."""
+        while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
+            self._free.pop().stop()
+        from comparisons.trials.runs.worker_process import Worker  # noqa: PLC0415  lacks modules in a browser
+
+        return self._free.pop() if self._free else Worker(module)
+
+    def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
+        begun(job[0])
+        self._busy[worker.begin(job)] = worker
+
+    def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
+        """Wait for results; the job that a used worker died of begins once more in a new one."""
+        wait(self._busy, _PULSE, FIRST_COMPLETED)
+        for future, worker in list(self._busy.items()):
+            if not future.done() and worker.is_usable():
+                continue
+            result = worker.result(future)
+            del self._busy[future]
+            if isinstance(result, Lost) and result.outcome in (Failure.CRASHED, Failure.TIMED_OUT):
+                worker.stop()  # its state is not known
+            else:
+                worker.used = True
+                self._free.append(worker)
+            if worker.used and worker.has_died:
+                self._begin(type(worker)(module), worker.job, begun)
+            else:
+                yield worker.job[0], result
+
+    def close(self) -> None:
+        """Kill the workers, busy or not."""
+        workers = (*self._free, *self._busy.values())
+        self._free, self._busy = [], {}
+        for worker in workers:
+            worker.pool.stop()  # type: ignore[no-untyped-call]
+        for worker in workers:
+            worker.stop()
+
+
+def _module_name(function: Callable[..., Any]) -> str:
+    """The module of a function, or of what a ``functools.partial`` calls."""
+    while isinstance(function, partial):
+        function = function.func
+    return function.__module__
+
+
+@dataclass(frozen=True)
+class LocalPool:
+    """Worker ``processes`` of this machine, as many as cores by default; with 0 jobs run in this process, unbounded."""
+
+    processes: int | None = None
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Iterable[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Begun = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
+        processes = most_processes() if self.processes is None else self.processes
+        if processes:
+            with contextlib.closing(LastingPool(processes)) as pool:
+                yield from pool.run(function, jobs, bounds, begun)
+            return
+        for number, job in enumerate(jobs):
+            begun(number)
+            result: R | Lost
+            try:
+                result = function(*job)
+            except (Exception, SystemExit) as error:
+                result = lost(error, bounds.memory)
+            yield number, result
+
+
+EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
+
+
+def run_jobs(
+    function: Callable[..., R],
+    jobs: Iterable[tuple[Any, ...]],
+    *,
+    bounds: Bounds = DEFAULT_BOUNDS,
+    processes: int | None = None,
+    begun: Begun = lambda _: None,
+) -> Generator[tuple[int, R | Lost], None, None]:
+    """Call ``function(*job)`` for every job, in worker processes; yields (index of the job, result) as they complete.
+
+    ``function`` is of a module, or a ``functools.partial`` of one. Jobs begin in order, are taken from their iterable
+    when workers need them, and ``begun`` is called with the index of each; a worker has its next job before its result
+    is yielded. ``processes`` are the cores by default, never more than there are jobs. With 0 the jobs run in this
+    process, one after the other and without bounds: only exceptions are caught.
+
+    A job whose worker dies is tried once more if the worker had finished others before, which may have damaged it.
+    A worker ignores Ctrl-C and writes nothing to the terminal. All workers are killed at once when the generator is
+    closed or raises; when this process dies, each ends as soon as its Python code runs, at the latest with its job.
+    """
+    return LocalPool(processes).run(function, jobs, bounds, begun)

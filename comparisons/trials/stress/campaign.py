@@ -1,0 +1,235 @@
+"""All cells of the stress maps and their borders: run in worker processes, stored, and read back."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict
+
+from comparisons.trials.judging.limits import grouped
+from comparisons.trials.runs.environment import environment
+from comparisons.trials.runs.run_engine import GIB
+from comparisons.trials.runs.store import Runs, load_study, save_study, store_errors
+from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.workers import EVERY_CORE, Bounds, Pool
+from comparisons.trials.stress.cells import axes, cell_at, lost, run_cell
+from comparisons.trials.stress.verdict import Cell, StressVerdict
+
+PRECISE: Final = 1.1  # ratio of the two values that bracket a border
+COARSE: Final = 3.0
+# A value of zero bounds a logarithm at this share of the smallest other one: a border below it is the same as 0.
+NEXT_TO_ZERO: Final = 1e-3
+SMALLEST: Final = 1e-15  # a border between this and zero is not narrowed down
+# Where these begin is a property of the machine, and every run that looks for it costs all that a cell may.
+BOUNDED: Final = (StressVerdict.TIMED_OUT, StressVerdict.CRASHED)
+
+KIND: Final = "stress"
+Line = tuple[str, str, str, str]  # axis, row, engine, usage
+
+MEMORY: Final = 2 * GIB  # a cell may add
+# What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.
+QUICK_SECONDS: Final = 4.0
+QUICK_BORDERS: Final = "tuned"
+
+
+class Border(NamedTuple):
+    """A border on a line of a map: the last run within the limit, and the first that is not."""
+
+    inside: Cell
+    outside: Cell
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lower and the higher of the two values."""
+        low, high = sorted((self.inside.value, self.outside.value))
+        return low, high
+
+    @property
+    def middle(self) -> float:
+        """The value between the two, halfway by ratio, to the digits that a cell's name has."""
+        low, high = self.ends
+        return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
+
+    @property
+    def between(self) -> Cell:
+        """The cell in the middle."""
+        axis, row, engine, usage = self.inside.line
+        return cell_at(axes()[axis], row, self.middle, engine, usage)
+
+    def is_wide(self, precision: float) -> bool:
+        """Whether to run a cell between the two; a border next to zero is not followed for ever."""
+        low, high = self.ends
+        worth = axes()[self.inside.axis].narrow and self.outside.verdict not in BOUNDED
+        return worth and (high > precision * low if low > 0.0 else high > SMALLEST)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The border as JSON-ready data."""
+        place = dict(zip(("axis", "row", "engine", "usage"), self.inside.line, strict=True))
+        values = {"inside": self.inside.value, "outside": self.outside.value, "value": self.middle}
+        commands = {"inside_command": self.inside.command, "outside_command": self.outside.command}
+        return {**place, **values, "verdict": self.outside.verdict, **commands}
+
+
+def borders(results: Iterable[Cell], *, quick: bool = False) -> list[Border]:
+    """On every line of every map, the first run beyond the easy value on either side that is not within limit.
+
+    There is none where the easiest value is not within limit, or where nothing fails.
+    """
+    lines = grouped((result.line, result) for result in results if not quick or result.setting == QUICK_BORDERS)
+    return [border for line in lines.values() for border in _line_borders(line)]
+
+
+def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
+    """The first border on either side of a line's easy value."""
+    rising = sorted(line, key=lambda result: result.value)
+    good = axes()[rising[0].axis].good
+    start = min(range(len(rising)), key=lambda number: _factor_between(rising[number].value, good))
+    for side in (rising[start:], rising[start::-1]):
+        within = list(itertools.takewhile(lambda result: result.verdict is StressVerdict.WITHIN, side))
+        if within and len(within) < len(side):
+            yield Border(within[-1], side[len(within)])
+
+
+def _factor_between(first: float, second: float) -> float:
+    low, high = sorted((first, second))
+    return math.inf if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)
+
+
+class SavedStress(TypedDict):
+    """The document of a stress test, all but its cells."""
+
+    command: str
+    quick: bool
+    environment: Mapping[str, str]
+
+
+FORM: Final[TypeAdapter[Any]] = TypeAdapter(SavedStress)
+
+
+@dataclass(frozen=True)
+class Stress:
+    """A finished stress test: its document as saved, its cells, and those that narrow a border down among them."""
+
+    document: Mapping[str, Any]
+    cells: Sequence[Cell]
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """The document with counts and borders, and all cells, JSON-ready."""
+        return {
+            **self.document,
+            "summary": {engine: dict(self.count(engine)) for engine in self.engines},
+            "borders": [border.document for border in self.borders],
+            "cells": [result.data for result in self.results],
+        }
+
+    @property
+    def results(self) -> Sequence[Cell]:
+        """Every cell, line by line."""
+        return [cell for line in self.lines.values() for cell in line]
+
+    @cached_property
+    def borders(self) -> list[Border]:
+        """All borders; of a quick map those of ``QUICK_BORDERS``."""
+        return borders(self.results, quick=self.document["quick"])
+
+    @cached_property
+    def lines(self) -> Mapping[Line, Sequence[Cell]]:
+        """The cells of each line, in the order of their values."""
+        lines = grouped((cell.line, cell) for cell in self.cells)
+        return {line: sorted(cells, key=lambda cell: cell.value) for line, cells in lines.items()}
+
+    @cached_property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of their table."""
+        return tuple(dict.fromkeys(result.axis for result in self.results))
+
+    @cached_property
+    def columns(self) -> Mapping[str, Sequence[float]]:
+        """Each axis' listed values that were run, without those that narrow a border down; all if none is listed."""
+        seen = grouped((result.axis, result.value) for result in self.results)
+        columns = {}
+        for name, values in seen.items():
+            listed = axes()[name].quick if self.document["quick"] else axes()[name].values
+            columns[name] = [value for value in listed if value in values] or list(dict.fromkeys(values))
+        return columns
+
+    @cached_property
+    def engines(self) -> tuple[str, ...]:
+        """Names of the engines, sorted: not every axis has all of them."""
+        return tuple(sorted({result.engine for result in self.results}))
+
+    def of(self, *verdicts: StressVerdict) -> tuple[Cell, ...]:
+        """The cells of these verdicts."""
+        return tuple(result for result in self.results if result.verdict in verdicts)
+
+    def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
+        """How many cells of an engine, of an axis or of all came to each verdict."""
+        chosen = (each for each in self.results if engine in ("", each.engine) and axis in ("", each.axis))
+        return Counter(result.verdict for result in chosen)
+
+
+def save(folder: Path, stress: Stress) -> None:
+    """Write a stress test into a folder."""
+    save_study(folder, KIND, stress.document, ((result.key, *result.written()) for result in stress.results))
+
+
+def load(folder: Path) -> Stress:
+    """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+    stress = Stress(*load_study(folder, KIND, FORM, Cell.from_row))
+    with store_errors(folder, KIND):
+        _ = stress.columns
+        if not stress.results:
+            raise ValueError("it has no cell")
+    return stress
+
+
+def stress(
+    chosen: Sequence[Cell],
+    command: str = "",
+    *,
+    quick: bool = False,
+    announce: Announce = lambda *_: None,
+    finished: Runs | None = None,
+    pool: Pool = EVERY_CORE,
+) -> Stress:
+    """Run these cells, then those that narrow the borders down; ``finished`` runs are not made again.
+
+    ``announce`` hears a label, how many cells are done and how many are known of. ``command`` repeats the test.
+    """
+    study, precision = _stress_study(announce, finished, pool), COARSE if quick else PRECISE
+    results, todo = list[Cell](), chosen
+    while todo:
+        results += _run_cells(study, todo, quick=quick)
+        todo = [border.between for border in borders(results, quick=quick) if border.is_wide(precision)]
+    engines = sorted({cell.engine for cell in results})
+    return Stress({"command": command, "environment": environment(engines), "quick": quick}, results)
+
+
+def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[Cell]:
+    """These cells alone, each in a worker process of its own, in their order."""
+    return _run_cells(_stress_study(lambda *_: None, None, pool), chosen)
+
+
+def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> Study[Cell]:
+    return Study(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
+
+
+def _run_cells(study: Study[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
+    """Results of cells, in their order; cells that may take as long run together."""
+    granted = [min(axes()[cell.axis].seconds, QUICK_SECONDS if quick else math.inf) for cell in chosen]
+    tasks = [Task(cell.key, (cell,), cell.key) for cell in chosen]
+    study.expect(tasks)
+    for seconds, alike in sorted(grouped(zip(granted, tasks, strict=True)).items()):
+        for _ in study.make(alike, Bounds(seconds, MEMORY)):
+            pass  # the study has the result
+    return [study.result(cell.key) for cell in chosen]

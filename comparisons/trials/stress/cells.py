@@ -1,0 +1,349 @@
+"""Cells of the stress maps: one value of one axis (``axes.toml``) in one row, engine and usage, its case and its scene.
+
+A cell can be made again on its own. Each is judged by ``stress.verdict``; ``stress.campaign`` finds the borders.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ConfigDict, TypeAdapter
+
+from analytic.description import changes
+from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
+from analytic.description.linkage import Linkage, ReleasedRegime, Vector
+from analytic.description.loading import catalogue, load
+from analytic.dynamics.reduced import damping_coefficient, reduced_inertia
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.motion.case import Case, case_of_file_regime
+from comparisons.trials.runs.plugins import engine
+from comparisons.trials.runs.run_engine import Lost, blamed_on, run_engine
+from comparisons.trials.stress.verdict import Cell, StressVerdict, judged, tables
+from engines.contract import Engine, Run, Setting, StudiedEngine
+from engines.mechanics.joints import scene_size
+from engines.registry import why_unavailable
+from engines.scene import Channel, Scene
+
+LINKAGES = Path(__file__).with_name("linkages")
+RELEASED, REVERSAL = "released", "reversal"
+# Of the time constant Jeq/b that a released motion lasts: each takes the closed form a window of its own.
+MOST_RELAXATIONS = 1e4
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies share
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """The conditions of a cell: scene and steps; the defaults are a smooth run-up of the unchanged linkage.
+
+    A row of a map, its ``label``, is all conditions but the one that varies; ``most`` is the largest value of that one
+    that makes sense, and ``quick`` rows are in a quick map too. What an engine alone is given tells no cases apart.
+
+    ``linkage`` is a catalogue name, or a file's among the stress maps' own. ``speed`` is in rpm, ``start_angle`` in
+    degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. ``turns`` is the duration of a constant speed
+    or of a released crank, in turns at ``speed``; ``spinning`` says whether it is released at that speed or at rest,
+    ``torque`` (N m) is then on it. ``point`` of ``link`` (or of the ground) is put at ``at + excess * slope``, m.
+    ``scaled`` names what is multiplied by ``scale``, ``load`` the kind of loads that remain (springs or dampers), times
+    ``load_factor``. ``disturbed`` says whether positions or velocities of the start are off by ``disturbance``.
+    """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    linkage: str
+    label: str = field(default="", compare=False)
+    quick: bool = field(default=False, compare=False)
+    most: float = field(default=math.inf, compare=False)
+    speed: float = 1000.0
+    motion: str = "run-up-quintic"
+    start_angle: float = 0.0
+    ramp_turns: float = 2.0
+    hold_turns: float = 1.0
+    reversal_turns: float = 1.0
+    turns: float = 1.0
+    spinning: bool = True
+    torque: float = 0.0
+    link: str = ""
+    mass_factor: float = 1.0
+    point: str = ""
+    at: Vector = (0.0, 0.0)
+    slope: Vector = (0.0, 0.0)
+    excess: float = 0.0
+    scaled: str = ""
+    scale: float = 1.0
+    load: str = ""
+    load_factor: float = 1.0
+    damper_factor: float = 1.0
+    disturbed: str = field(default="", compare=False)
+    disturbance: float = field(default=0.0, compare=False)
+    steps_per_turn: float = field(default=0.0, compare=False)
+    effort: float = field(default=0.0, compare=False)
+
+    @property
+    def differing(self) -> dict[str, Any]:
+        """The conditions that differ from the defaults, by name, JSON-ready."""
+        of_row = {"label", "quick", "most"}
+        return dict(TypeAdapter(Conditions).dump_python(self, mode="json", exclude_defaults=True, exclude=of_row))
+
+    @property
+    def rate(self) -> float:
+        """The speed, rad/s; where times are scaled, in the scaled time."""
+        return self.speed * RPM / (self.scale if self.scaled == "time" else 1.0)
+
+    @property
+    def step(self) -> float:
+        """The step of a method, s."""
+        return 2.0 * math.pi / self.rate / self.steps_per_turn
+
+
+def linkage(conditions: Conditions) -> Linkage:
+    """The linkage of a cell, under its original name."""
+    name = conditions.linkage
+    changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
+    if conditions.mass_factor != 1.0:
+        changed = changes.multiplied(changed, conditions.mass_factor, "mass", "inertia", under=f"{conditions.link}.")
+    if conditions.point:
+        x, y = (at + conditions.excess * slope for at, slope in zip(conditions.at, conditions.slope, strict=True))
+        changed = changes.with_point(changed, conditions.link, conditions.point, (x, y))
+    if conditions.damper_factor:
+        changed = changes.multiplied(changed, conditions.damper_factor, "turn_damping")
+    else:
+        changed = changes.without(changed, "dampers")
+    if conditions.load:
+        changed = changes.without(changed, *({"springs", "dampers"} - {conditions.load}))
+        changed = changes.multiplied(changed, conditions.load_factor, "stiffness", "damping", "turn_damping")
+    factors = {conditions.scaled: conditions.scale} if conditions.scaled else {}
+    return changes.scaled(changed, **factors) if factors else changed
+
+
+def motion(conditions: Conditions) -> CrankMotion:
+    """The crank motion of a cell whose crank is driven."""
+    turn, start = 2.0 * math.pi / conditions.rate, math.radians(conditions.start_angle)
+    if conditions.motion == REVERSAL:
+        return reversal(conditions.rate, start, conditions.hold_turns * turn, conditions.reversal_turns * turn)
+    constant = conditions.motion == "constant-speed"
+    return crank_motion(
+        conditions.motion,
+        speed=conditions.rate,
+        ramp_time=turn * (conditions.turns if constant else 2.0 * conditions.ramp_turns),
+        hold_time=0.0 if constant else turn * conditions.hold_turns,
+        start_angle=start,
+    )
+
+
+def reversal(speed: float, start_angle: float, hold: float, change: float) -> CrankMotion:
+    """Speed to the other direction and back within ``change`` each, constant for ``hold`` before, between and after, s.
+
+    The change follows a quintic, so that the acceleration is continuous.
+    """
+    segments: list[Segment] = []
+    time, angle = 0.0, start_angle
+    for sense, span, turning in ((1, hold, False), (1, change, True), (-1, hold, False), (-1, change, True),
+                                 (1, hold, False)):  # fmt: skip
+        rates = [sense * speed]
+        if turning:  # ω (1 − 2 (10 x³ − 15 x⁴ + 6 x⁵)) with x = t / span
+            rates += [0.0, 0.0] + [-2.0 * sense * speed * c / span**k for k, c in ((3, 10.0), (4, -15.0), (5, 6.0))]
+        coefficients = (angle, *(rate / (k + 1) for k, rate in enumerate(rates)))
+        segments.append(Segment(time, time + span, coefficients))
+        time, angle = time + span, float(segments[-1].value(time + span))
+    return CrankMotion(REVERSAL, tuple(segments))
+
+
+@lru_cache(maxsize=4)
+def case(conditions: Conditions) -> Case:
+    """The case of a cell, shared by its neighbours: a long released motion takes seconds to integrate.
+
+    Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to.
+    """
+    mechanism = Mechanism(linkage(conditions))
+    if conditions.motion != RELEASED:
+        return Case(mechanism, motion(conditions))
+    turn = 2.0 * math.pi / conditions.rate
+    released = ReleasedRegime(
+        name="driven" if conditions.torque else "free",
+        torque=conditions.torque,
+        start_angle=math.radians(conditions.start_angle),
+        start_speed=conditions.rate if conditions.spinning else 0.0,
+        duration=conditions.turns * turn,
+    )
+    lasts = released.duration * float(np.max(damping_coefficient(mechanism.turn) / reduced_inertia(mechanism.turn)))
+    if lasts > MOST_RELAXATIONS:
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected a released crank for {MOST_RELAXATIONS:.0e} times its time constant "
+            f"Jeq/b or less, got {lasts:.0e}; damp less"
+        )
+    return case_of_file_regime(mechanism, released)
+
+
+def scene(conditions: Conditions, case: Case) -> Scene:
+    """The scene of a cell, with every channel and, on request, a disturbed start."""
+    undisturbed, level = case.scene(frozenset(Channel)), conditions.disturbed
+    if not level:
+        return undisturbed
+    size = conditions.disturbance * scene_size(undisturbed) * (abs(conditions.rate) if level == "velocity" else 1.0)
+    bodies = []
+    for number, body in enumerate(undisturbed.bodies):
+        x, y = getattr(body, level)
+        off = (size * math.cos(number * GOLDEN_ANGLE), size * math.sin(number * GOLDEN_ANGLE))
+        place: dict[str, Any] = {level: (x + off[0], y + off[1])}
+        bodies.append(replace(body, **place))
+    return replace(undisturbed, bodies=tuple(bodies))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One map: ``vary`` names the field of ``Conditions`` that takes the ``values``, ``label`` what they are.
+
+    ``unit`` is that of a solver's effort, where this varies: methods whose effort has another one are left out.
+    ``good`` is the value at which the problem is easy; ``seconds`` is what one cell may take. Borders are narrowed down
+    where ``narrow`` says so: runs of ever more turns cost more than their exact number is worth.
+    """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    name: str
+    title: str
+    about: str
+    vary: str
+    label: str
+    values: tuple[float, ...]
+    good: float
+    rows: tuple[Conditions, ...]
+    quick: tuple[float, ...] = ()
+    settings: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+    unit: str = ""
+    seconds: float = 20.0
+    narrow: bool = True
+    common: Mapping[str, Any] = field(default_factory=dict)  # to all rows
+
+    def row(self, label: str) -> Conditions:
+        """A row by its label."""
+        rows = {row.label: row for row in self.rows}
+        if label not in rows:
+            raise UnknownNameError(f"row of axis '{self.name}'", label, rows)
+        return rows[label]
+
+    def conditions(self, label: str, value: float) -> Conditions:
+        """All conditions of a cell."""
+        varied: dict[str, Any] = {self.vary: value}
+        return replace(self.row(label), **varied)
+
+    def chosen_rows(self, *, quick: bool) -> tuple[Conditions, ...]:
+        """The rows of a full map, or of a quick one."""
+        return tuple(row for row in self.rows if row.quick or not quick)
+
+    def chosen_values(self, row: Conditions, *, quick: bool) -> tuple[float, ...]:
+        """The values of a row in a full map, or in a quick one."""
+        return tuple(value for value in (self.quick if quick else self.values) if value <= row.most)
+
+
+@cache
+def axes() -> Mapping[str, Axis]:
+    """Every axis by its name, in the table's order."""
+    found = [{**axis, "rows": [axis.get("common", {}) | row for row in axis["rows"]]} for axis in tables()["axis"]]
+    return {axis.name: axis for axis in TypeAdapter(tuple[Axis, ...]).validate_python(found)}
+
+
+def chosen_axes(names: Iterable[str]) -> list[Axis]:
+    """The axes of these names, by default all; raises UnknownNameError."""
+    known, chosen = axes(), list(names)
+    for name in chosen:
+        if name not in known:
+            raise UnknownNameError("axis", name, known)
+    return [axis for axis in known.values() if not chosen or axis.name in chosen]
+
+
+def usages(axis: Axis, adapter: Engine) -> list[str]:
+    """The settings and methods in which an engine is put on an axis."""
+    if not axis.methods:
+        return list(axis.settings)
+    given = scene(axis.rows[0], case(axis.rows[0]))
+    try:
+        methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
+        offered = {method.name: method.effort_unit for method in methods}
+    except Exception:  # a cell of every method tells what the adapter raises
+        return [*axis.settings, *axis.methods]
+    return [*axis.settings, *(n for n in axis.methods if n in offered and axis.unit in ("", offered[n]))]
+
+
+def cell_at(axis: Axis, row: str, value: float, engine: str, usage: str) -> Cell:
+    """A cell before it is run; ``usage`` is a setting or the name of a method."""
+    conditions = axis.conditions(row, value)
+    names = (conditions.linkage, "", conditions.motion, f"{axis.name}, {row}: {value:.6g}", engine, "", usage)
+    return Cell(*names, axis=axis.name, row=row, value=value, differing=conditions.differing)
+
+
+def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
+    """Every cell of these axes; ``only`` keeps the usages of these names. Raises LinkproofError where there is none."""
+    found = []
+    for axis in chosen:
+        known = [(name, usage) for name in engines for usage in usages(axis, engine(name)) if usage in only or not only]
+        for row in axis.chosen_rows(quick=quick):
+            values = axis.chosen_values(row, quick=quick)
+            found += [cell_at(axis, row.label, value, *each) for value in values for each in known]
+    if not found:
+        usage = ", ".join(only) or "any setting"
+        raise LinkproofError(f"no stability run matches {usage}: choose other axes or settings")
+    return found
+
+
+def find_cell(key: str) -> Cell:
+    """The cell of a key; its value may be any number. Raises UnknownNameError, or LinkproofError for another text."""
+    try:
+        name, row, value, engine_name, usage = key.split("/")
+    except ValueError:
+        form = "AXIS/ROW/VALUE/ENGINE/USAGE"
+        raise LinkproofError(f"expected a cell as {form}, got '{key}'; copy one from a list of cells") from None
+    (axis,) = chosen_axes([name])
+    axis.row(row)
+    known = usages(axis, engine(engine_name))
+    if usage not in known:
+        raise UnknownNameError(f"usage of '{engine_name}' on axis '{name}'", usage, known)
+    try:
+        return cell_at(axis, row, float(value), engine_name, usage)
+    except ValueError:
+        raise LinkproofError(f"cell '{key}': expected a number as its value, got '{value}'; correct it") from None
+
+
+def run_cell(cell: Cell) -> Cell:
+    """Make a cell's run here and now, and judge it."""
+    begun, adapter = time.perf_counter(), engine(cell.engine)
+    conditions = axes()[cell.axis].conditions(cell.row, cell.value)
+    with blamed_on(adapter):
+        absent = why_unavailable(adapter)
+    if absent is not None:
+        return replace(cell, verdict=StressVerdict.UNAVAILABLE, reason=absent)
+    try:
+        true = case(conditions)
+    except LinkproofError as error:
+        reason = f"the closed form has no motion to hold an engine to: {error}"
+        return replace(cell, verdict=StressVerdict.UNSUPPORTED, reason=reason)
+    given = scene(conditions, true)
+    made = _run_usage(adapter, given, cell.setting, conditions)
+    cost = {name: getattr(made, name) for name in ("seconds", "setup_seconds", "steps", "solver_work")}
+    result = judged(replace(cell, **cost), true, given, made, adapter)
+    return replace(result, spent=time.perf_counter() - begun)
+
+
+def lost(loss: Lost, cell: Cell) -> Cell:
+    """A cell whose worker gave no result."""
+    return replace(cell, verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
+
+
+def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
+    """The engine's run of a scene in a setting, or by a method at the conditions' step."""
+    if usage in [*Setting]:
+        return run_engine(adapter, given, Setting(usage))
+    assert isinstance(adapter, StudiedEngine)
+    with blamed_on(adapter):
+        method = next(method for method in adapter.methods(given) if method.name == usage)
+    if conditions.effort:
+        method = replace(method, effort=conditions.effort)
+    return run_engine(adapter, given, method, conditions.step)

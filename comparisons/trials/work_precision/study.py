@@ -1,0 +1,411 @@
+"""Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
+
+The first round goes down all sweeps of a case at once, coarse steps first, and takes the errors; the rounds after it
+repeat every point of the case for its time alone. Each round visits all points in turn, so that a slow spell of the
+machine hits all alike.
+"""
+
+from __future__ import annotations
+
+import math
+import pickle
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, field, replace
+from itertools import groupby
+from typing import Any
+
+from analytic.errors import UnknownNameError
+from comparisons.motion.case import Case
+from comparisons.trials.judging.records import Verdict, run_of
+from comparisons.trials.runs.environment import environment
+from comparisons.trials.runs.plugins import engine
+from comparisons.trials.runs.run_engine import Failure, Lost
+from comparisons.trials.runs.store import Runs
+from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.workers import ONE_BY_ONE, Bounds, Pool
+from comparisons.trials.work_precision.fronts import judged, still_improves
+from comparisons.trials.work_precision.measure import WORK, longest_step, measure
+from comparisons.trials.work_precision.table import CALIBRATION, FIRST_USE, METHOD, SETTING, Bench, BenchRun
+from engines.contract import Method, Outcome, Setting, StudiedEngine
+from engines.registry import engine_names, why_unavailable
+from engines.scene import Channel
+
+# A step too long for an engine may be cured by a shorter one, but not for ever.
+MOST_FAILURES = 3
+# Steps that every sweep takes, whatever they cost and gain: fewer are no curve, and show neither order nor floor.
+FEWEST = 6
+LASTING_FAILURES = (
+    Failure.TIMED_OUT,
+    Outcome.UNSUPPORTED,
+    Outcome.UNAVAILABLE,
+    Verdict.NOT_PROVIDED,
+)  # whatever the step
+# A run that takes this much longer than its budget, s, hangs.
+HANG_SECONDS = 60.0
+QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
+
+
+@dataclass(frozen=True)
+class Extent:
+    """The extent of a benchmark.
+
+    ``steps_per_turn`` of the crank's peak speed, coarse to fine; after ``FEWEST`` a sweep ends before a point that
+    would take longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s,
+    in all; both count set-up and stepping. No run is begun after ``deadline``, s from the start. ``fronts_only``
+    measures of each engine the most advanced method, of a single run and of several, and leaves out the best setting,
+    which repeats one.
+    """
+
+    steps_per_turn: tuple[float, ...]
+    budget: float
+    repeats: int
+    patience: float
+    deadline: float = math.inf
+    fronts_only: bool = False
+
+
+FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6)
+QUICK = Extent(
+    tuple(6.0 * 2.0**k for k in range(8)), budget=0.3, repeats=2, patience=0.1, deadline=45.0, fronts_only=True
+)
+OUT_OF_TIME = "the time for the whole benchmark was up"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One way of running one engine on one case: its ``run`` before it is made.
+
+    ``case`` is its place among the cases, ``usage`` the setting or method to run; None if the engine is not installed.
+    """
+
+    case: int
+    usage: Setting | Method | None
+    run: BenchRun
+
+    @property
+    def words(self) -> str:
+        """Setting, or method with its steps, in words."""
+        if self.run.steps_per_turn is None:
+            return f"setting {self.run.setting}"
+        return f"{self.run.setting}, {self.run.steps_per_turn:g} steps a turn"
+
+    @property
+    def key(self) -> str:
+        """A name that tells it from all others of the same benchmark."""
+        return f"{self.case} {self.run.engine} {self.words}"
+
+
+@dataclass
+class PointSweep:
+    """A sweep under way: the points still to come, coarse to fine, and what came of those done.
+
+    ``ended`` says why it went no further, once it has ended.
+    """
+
+    points: Sequence[Point]
+    budget: float
+    measurements: list[BenchRun] = field(default_factory=list)
+    ended: str = ""
+
+    def next(self) -> Point | None:
+        """The point to measure next; None when the sweep has ended."""
+        if not self.ended:
+            self.ended = self._why_ended()
+        return None if self.ended else self.points[len(self.measurements)]
+
+    def add(self, measurement: BenchRun | None) -> None:
+        """Record the measurement of the next point; None if there was no time left for it."""
+        if measurement is None:
+            self.ended = OUT_OF_TIME
+        else:
+            self.measurements.append(measurement)
+
+    def _why_ended(self) -> str:
+        done = self.measurements
+        if done and done[-1].outcome != Outcome.FINISHED:
+            return self._why_failed()
+        if len(done) == len(self.points):
+            return "the sweep ends here"
+        if len(done) < FEWEST:
+            return ""
+        finished = [each for each in done if each.outcome == Outcome.FINISHED]
+        errors = [[error.error_max for error in each.errors if error.error_max is not None] for each in finished]
+        if not any(still_improves(entries) for entries in zip(*errors, strict=True)):
+            return "two refinements in a row improved nothing"
+        price = self._estimated_seconds(self.points[len(done)])
+        if price > self.budget:
+            return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
+        return ""
+
+    def _estimated_seconds(self, point: Point) -> float:
+        """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
+        rates = [run.seconds / run.steps_per_turn for run in self.measurements if run.steps_per_turn and run.seconds]
+        setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
+        return setup + min(rates, default=0.0) * (point.run.steps_per_turn or 0.0)
+
+    def _why_failed(self) -> str:
+        """Failures end a sweep that worked before, and one that never did after three."""
+        last = self.measurements[-1]
+        lasting = last.outcome in LASTING_FAILURES
+        worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
+        if lasting or worked or len(self.measurements) in (MOST_FAILURES, len(self.points)):
+            return f"{last.outcome}: {last.detail}"
+        return ""
+
+
+@dataclass(frozen=True)
+class BenchRequest:
+    """The request of a benchmark; no ``methods`` means all of them.
+
+    The ``pool`` makes one run at a time on a machine. ``command`` repeats it.
+    """
+
+    cases: tuple[Case, ...]
+    engines: tuple[str, ...]
+    quantities: tuple[str, ...] = QUANTITIES
+    settings: tuple[Setting, ...] = tuple(Setting)
+    methods: tuple[str, ...] = ()
+    extent: Extent = FULL
+    pool: Pool = ONE_BY_ONE
+    command: str = ""
+
+
+class Rounds:
+    """The measurements of every point in every round; no run begins after the deadline of the request's extent.
+
+    The first round takes the errors, the others the time alone. ``finished`` ones are not measured again.
+    """
+
+    def __init__(self, request: BenchRequest, announce: Announce, finished: Runs | None) -> None:
+        self.request, self.extent = request, request.extent
+        self.pickled = [pickle.dumps(case) for case in request.cases]
+        self.ends = time.monotonic() + request.extent.deadline
+        self.study: Study[BenchRun] = Study(
+            measure, self._lost_point, BenchRun.written, BenchRun.from_row, finished, announce, request.pool
+        )
+
+    def run(self, number: int, points: Sequence[Point]) -> None:
+        """Measure points in a round, as long as there is time."""
+        tasks = [self._point_task(number, point) for point in points if point.usage]
+        self.study.expect(tasks)
+        bounds = Bounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
+        with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
+            while self.seconds_left() > 0.0 and next(ended, None) is not None:
+                pass
+
+    def measurement(self, number: int, point: Point) -> BenchRun | None:
+        """The measurement of a point in a round; None if it was not measured."""
+        if not point.usage:
+            return point.run
+        key = _task_key(number, point)
+        return self.study.result(key) if self.study.has(key) else None
+
+    def repeats(self, point: Point, rounds: int) -> list[BenchRun]:
+        """The finished measurements of a point, round by round."""
+        every = [run for number in range(rounds) if (run := self.measurement(number, point)) is not None]
+        return [run for run in every if run.outcome == Outcome.FINISHED]
+
+    def is_worth_repeating(self, point: Point, number: int) -> bool:
+        """Whether a point takes part in a later round: while it has not taken too long."""
+        before = self.repeats(point, number)
+        return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
+
+    @property
+    def calibrations(self) -> tuple[float, ...]:
+        """Time of the fixed work beside every run, s."""
+        return tuple(float(run.details[CALIBRATION]) for run in self.study.results() if run.details)
+
+    def runs(self, sweep: PointSweep) -> Iterator[BenchRun]:
+        """A run per point of a sweep; a sweep there was no time for has its first point to say so."""
+        if not sweep.measurements:
+            late = Failure.TIMED_OUT.value
+            yield replace(sweep.points[0].run, outcome=late, detail=sweep.ended, ended=sweep.ended)
+        for point, first in zip(sweep.points, sweep.measurements, strict=False):
+            repeats = self.repeats(point, self.extent.repeats)
+            inside = [run.engine_seconds for run in repeats if run.engine_seconds is not None]
+            yield replace(
+                first,
+                seconds=min((run.seconds for run in repeats), default=0.0),
+                setup_seconds=min((run.setup_seconds for run in repeats), default=0.0),
+                engine_seconds=min(inside, default=None),
+                readout_seconds=min((run.readout_seconds for run in repeats), default=0.0),
+                repeats=tuple(run.seconds for run in repeats),
+                ended=sweep.ended,
+                details={},
+            )
+
+    def _point_task(self, number: int, point: Point) -> Task:
+        job = (self.pickled[point.case], point.usage, point.run, self.request.quantities, number == 0)
+        label = f"round {number + 1}: {point.run.mechanism}, {point.run.regime}, {point.run.engine} {point.words}"
+        return Task(_task_key(number, point), job, label)
+
+    def _lost_point(self, lost: Lost, _: bytes, __: object, blank: BenchRun, *___: object) -> BenchRun | None:
+        """The run without a result; None if our own deadline ended it, not a fault of the engine."""
+        return None if self.seconds_left() <= 0.0 else replace(blank, outcome=lost.outcome.value, detail=lost.reason)
+
+    def seconds_left(self) -> float:
+        """Time until the deadline, s."""
+        return self.ends - time.monotonic()
+
+
+def _task_key(number: int, point: Point) -> str:
+    return f"{number} {point.key}"
+
+
+def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Bench:
+    """Measure everything requested; ``finished`` points are not measured again.
+
+    ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
+    is made.
+    """
+    for name in request.engines:
+        if name not in engine_names():
+            raise UnknownNameError("engine", name, engine_names())
+    sweeps = list(_sweeps(request))
+    rounds = Rounds(request, announce, finished)
+    longest = 0.0
+    for turn in _sweep_groups(request.cases, sweeps):
+        begun = time.monotonic()
+        if rounds.seconds_left() < longest:  # some points of a curve would show nothing
+            for sweep in turn:
+                sweep.add(None)
+        while batch := [(sweep, point) for sweep in turn if (point := sweep.next()) is not None]:
+            rounds.run(0, [point for _, point in batch])
+            for sweep, point in batch:
+                sweep.add(rounds.measurement(0, point))
+        done = [point for sweep in turn for point in sweep.points[: len(sweep.measurements)]]
+        for number in range(1, request.extent.repeats):
+            rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+        longest = max(longest, time.monotonic() - begun)
+    return judged(Bench(_document(request, sweeps, rounds), _runs(request, sweeps, rounds)))
+
+
+def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> dict[str, Any]:
+    """All but the points, ready for JSON."""
+    linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in request.cases}
+    return {
+        "command": request.command,
+        "conditions": "; ".join(dict.fromkeys(case.conditions for case in request.cases)),
+        "environment": environment(request.engines),
+        "extent": {name: value for name, value in asdict(request.extent).items() if value != math.inf},
+        "noise": {"work": WORK, "samples": [round(calibration, 9) for calibration in rounds.calibrations]},
+        "first_use": [{"engine": name, "seconds": _first_uses(sweeps, name)} for name in request.engines],
+        "mechanisms": [
+            {"name": linkage.name, "title": linkage.title, "variant": linkage.variant} for linkage in linkages.values()
+        ],
+        "methods": _method_descriptions(request),
+        "quantities": list(request.quantities),
+    }
+
+
+def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
+    """The additional times of an engine's first runs, s: one for every process that measured it."""
+    mine = (
+        measurement.details
+        for sweep in sweeps
+        if sweep.points[0].run.engine == engine
+        for measurement in sweep.measurements
+    )
+    return tuple(float(table[FIRST_USE]) for table in mine if table.get(FIRST_USE))
+
+
+def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
+    """The engines' descriptions of their methods, once each."""
+    methods: dict[tuple[str, str], Mapping[str, Any]] = {}
+    for case in request.cases:
+        for name in request.engines:
+            for method in _methods(request, case, name):
+                methods.setdefault((name, method.name), {"engine": name, **asdict(method)})
+    return list(methods.values())
+
+
+def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
+    """The requested methods of an engine; empty if it cannot be used here."""
+    adapter = engine(name)
+    if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
+        return []
+    try:
+        offered = adapter.methods(case.scene([Channel.POSITION]))
+    except Exception as error:  # a run tells what the adapter raises
+        return [Method(name, str(error)) for name in request.methods or ("methods",)]
+    return [method for method in offered if not request.methods or method.name in request.methods]
+
+
+def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
+    """All sweeps of the request; an engine that is not installed has one point that says so."""
+    for number, case in enumerate(request.cases):
+        for name in request.engines:
+            absent = why_unavailable(engine(name))
+            if absent is not None:
+                run = replace(blank_run(case, name, None), outcome=Outcome.UNAVAILABLE.value, detail=absent)
+                yield PointSweep([Point(number, None, run)], 0.0)
+            else:
+                methods = _methods(request, case, name)
+                yield from planned_sweeps(number, case, name, methods, request)
+
+
+def planned_sweeps(
+    number: int, case: Case, engine_name: str, methods: Sequence[Method], request: BenchRequest
+) -> Iterator[PointSweep]:
+    """The sweeps of one engine on the case of a ``number``: settings, then methods."""
+    settings, extent = request.settings, request.extent
+    if extent.fronts_only:
+        settings = tuple(setting for setting in settings if setting is not Setting.BEST)
+        methods = [*_most_advanced(methods, extrapolated=False), *_most_advanced(methods, extrapolated=True)]
+    for setting in settings:
+        yield PointSweep([Point(number, setting, blank_run(case, engine_name, setting))], math.inf)
+    for method in methods:
+        runs = (blank_run(case, engine_name, method, steps) for steps in extent.steps_per_turn)
+        yield PointSweep([Point(number, method, run) for run in runs], extent.budget)
+
+
+def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
+    """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
+    return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
+
+
+def blank_run(case: Case, name: str, usage: Setting | Method | None, steps_per_turn: float | None = None) -> BenchRun:
+    """The run of a case in an engine by a setting, or by a method at a step, before it is made."""
+    adapter, method = engine(name), usage if isinstance(usage, Method) else None
+    own = run_of(case, method.name if method else str(usage or ""), name, adapter.version() or "")
+    return BenchRun(
+        **vars(own),
+        is_control=adapter.is_control,
+        work_unit=adapter.work_unit if isinstance(adapter, StudiedEngine) else "",
+        kind=METHOD if method else SETTING,
+        effort=method.effort if method else None,
+        effort_unit=method.effort_unit if method else "",
+        step=None if steps_per_turn is None else longest_step(case, steps_per_turn),
+        steps_per_turn=steps_per_turn,
+        outcome="",
+    )
+
+
+def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:
+    """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
+
+    Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
+    first case of a structure comes before all that repeat one, single runs before extrapolated ones.
+    """
+    known: set[frozenset[str]] = set()
+    repeated = []
+    for case in cases:
+        kinds = frozenset(group.kind for group in case.mechanism.structure.groups)
+        repeated.append(kinds in known)
+        known.add(kinds)
+
+    def place(sweep: PointSweep) -> tuple[bool, bool, int]:
+        point = sweep.points[0]
+        is_extrapolated = isinstance(point.usage, Method) and point.usage.runs > 1
+        return repeated[point.case], is_extrapolated, point.case
+
+    return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
+
+
+def _runs(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[BenchRun]:
+    """All runs, by case and engine in the requested order, then as measured."""
+    places = {name: place for place, name in enumerate(request.engines)}
+    ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].run.engine]))
+    return [run for sweep in ordered for run in rounds.runs(sweep)]

@@ -1,0 +1,206 @@
+"""Every layout read back: what was written comes out, as sharp as it was printed; and no bytes end in a traceback."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.filejudge.columns import MappingNeededError
+from comparisons.filejudge.reading import read_results
+from comparisons.filejudge.result_files import result_tables
+from tests.comparisons.filejudge import layouts
+from tests.comparisons.filejudge.layouts import Channel
+
+JUKI = load("juki-mf7923d")
+NUMBERS = st.floats(-1e6, 1e6, allow_nan=False).filter(lambda x: x == 0.0 or abs(x) > 1e-6)
+ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "cp1252")
+
+
+def _file(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+@st.composite
+def curves(draw):
+    values = np.array(draw(st.lists(NUMBERS, min_size=4, max_size=12)))
+    return np.arange(len(values)) * 0.5, values
+
+
+@settings(max_examples=60)
+@given(
+    curve=curves(),
+    signs=st.sampled_from([",.", ";.", ";,", "\t.", "\t,", "|.", " .", " ,"]),
+    digits=st.integers(3, 15),
+    looks=st.fixed_dictionaries({"quotes": st.booleans(), "trailing": st.booleans(), "unit_row": st.booleans()}),
+    title=st.sampled_from(["", "Run 3", "# exported, with a comma; and more"]),
+    coded=st.tuples(st.sampled_from(ENCODINGS), st.sampled_from(["\n", "\r\n", "\r"])),
+)
+def test_a_csv_comes_back_to_half_a_unit_of_its_last_digit(  # noqa: PLR0917
+    tmp_path_factory, curve, signs, digits, looks, title, coded
+):
+    time, values = curve
+    delimiter, decimal = signs
+    if delimiter == " ":
+        looks = {"quotes": True}
+    channels = [Channel("t", "s", time), Channel("x", "°", values)]
+    text = layouts.csv(channels, delimiter=delimiter, decimal=decimal, digits=digits, title=title, **looks)
+    path = tmp_path_factory.mktemp("csv") / "run.csv"
+    path.write_bytes(text.replace("\n", coded[1]).encode(coded[0]))
+    (table,) = result_tables(path)
+    assert [column.header.split(" ")[0] for column in table.columns] == ["t", "x"]
+    read = table.columns[1]
+    printed = np.array([float(f"{x:.{digits}g}") for x in values])
+    np.testing.assert_array_equal(read.values, printed)
+    assert np.all(np.abs(read.values - values) <= read.resolution * (1.0 + 1e-9) + 1e-16 * np.abs(values))
+
+
+def test_fixed_decimals_and_scientific_numbers_are_half_a_unit_of_their_last_digit_sharp(tmp_path):
+    channels = [Channel("t", "s", np.arange(5)), Channel("x", "m", np.array([0.0, 0.5, -123.456, 7.0, 1e4]))]
+    path = _file(tmp_path, "fixed.csv", layouts.csv(channels, decimals=2))
+    np.testing.assert_allclose(result_tables(path)[0].columns[1].resolution, 0.005)
+    path = _file(tmp_path, "run.csv", "t;x\n0;1.25e-3\n1;1.25E+3\n2;0.00e0\n3;-2.50D-1\n")
+    read = result_tables(path)[0].columns[1]
+    np.testing.assert_array_equal(read.values, [1.25e-3, 1.25e3, 0.0, -0.25])
+    np.testing.assert_allclose(read.resolution, [5e-6, 5.0, 5e-6, 5e-4])
+
+
+def test_a_workbook_is_read_sheet_by_sheet(tmp_path):
+    pytest.importorskip("openpyxl")
+    channels = [Channel("Zeit", "s", np.arange(5) * 0.1), Channel("Antriebsmoment", "N*m", np.cos(np.arange(5)))]
+    path = _file(tmp_path, "run.xlsx", layouts.workbook(channels))
+    (signal,) = read_results([path], JUKI).signals
+    np.testing.assert_array_equal(signal.values, np.cos(np.arange(5)))
+    assert (signal.name, signal.column.place) == ("Mkr", f"{path}[curves]:1 (column 2)")
+
+
+@pytest.mark.parametrize(("transposed", "kind", "sharp"), [(True, np.float64, 1e-15), (False, np.float32, 1e-6)])
+def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(tmp_path, transposed, kind, sharp):
+    time = np.linspace(0.0, 1.0, 11)
+    channels = [Channel("time", "", time), Channel("crank.phi", "", time**2), Channel("motor.tau", "", np.cos(time))]
+    path = _file(tmp_path, "run.mat", layouts.trajectory(channels, transposed=transposed, kind=kind))
+    angle, torque = read_results([path], JUKI).signals
+    assert (angle.name, torque.name) == ("phi", "Mkr")
+    np.testing.assert_allclose(torque.values, np.cos(time), rtol=sharp)
+    assert np.all(np.abs(torque.values - np.cos(time)) <= torque.resolution)
+    assert np.max(torque.resolution) < sharp
+
+
+def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path):
+    content = bytearray(layouts.matlab(t=np.arange(9.0), Mkr=np.arange(9.0)))
+    content[140:148] = b"\xff" * 8
+    with pytest.raises(LinkproofError, match="a MATLAB file that cannot be read"):
+        read_results([_file(tmp_path, "run.mat", bytes(content))], JUKI)
+
+
+def test_arrays_of_matlab_are_columns_by_their_names_and_wait_for_units(tmp_path):
+    time = np.linspace(0.0, 1.0, 11)
+    path = _file(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
+    (table,) = result_tables(path)
+    assert [column.header for column in table.columns] == ["t", "Mkr", "D(1)", "D(2)"]
+    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 't' and 1 more"):
+        read_results([path], JUKI)
+
+
+def test_adams_results_say_their_units(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    channels = [
+        Channel("time", "sec", time),
+        Channel("JOINT_A.FX", "newton", np.cos(time)),
+        Channel("MOTION_1.TZ", "newton-millimeter", np.sin(time)),
+        Channel("JOINT_7.FX", "newton", time),
+    ]
+    results = read_results([_file(tmp_path, "run.res", layouts.adams_results(channels))], JUKI)
+    force, torque = results.signals
+    assert (force.name, torque.name) == ("joint_force:A:x", "Mkr")
+    np.testing.assert_allclose(force.values, np.cos(time), rtol=1e-15)
+    np.testing.assert_allclose(torque.values, 1e-3 * np.sin(time), rtol=1e-15)
+    assert [column.header for column, _ in results.not_judged] == ["JOINT_7.FX"]
+
+
+def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    channels = [Channel("Time", "", time), Channel("MOTION_1_TZ", "", np.cos(time)), Channel("", "", time)]
+    channels.append(Channel("crank.WZ", "", np.sin(time)))
+    path = _file(tmp_path, "run.tab", layouts.adams_table(channels))
+    first, second = result_tables(path)
+    assert [[column.header for column in table.columns] for table in (first, second)] == [
+        ["Time", "MOTION_1_TZ"],
+        ["Time", "crank.WZ"],
+    ]
+    np.testing.assert_allclose(second.columns[1].resolution, 5e-5)
+    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 'Time' and 3 more"):
+        read_results([path], JUKI)
+
+
+def test_numbers_without_headers_wait_for_a_mapping(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    text = layouts.robotran([Channel("", "", time), Channel("", "", np.cos(time))])
+    path = _file(tmp_path, "invdyn_Qq.res", text)
+    with pytest.raises(MappingNeededError, match="'column 1' is not judged") as caught:
+        read_results([path], JUKI)
+    filled = re.sub(r"(?m)^# (?!Col|to|the|not)", "", caught.value.mapping_text)
+    for signal, unit in (("time", "s"), ("Mkr", "N*m")):
+        filled = filled.replace('signal = ""\nunit = ""', f'signal = "{signal}"\nunit = "{unit}"', 1)
+    (signal,) = read_results([path], JUKI, _file(tmp_path, "mapping.toml", filled)).signals
+    np.testing.assert_allclose(signal.values, np.cos(time), atol=1e-9)
+
+
+def test_tables_one_below_another_and_side_by_side_have_their_own_axes(tmp_path):
+    text = "# t [s], x [m]\n0,1\n1,2\n2,3\n3,4\nt [s],y [m],,t [s],z [m]\n0,1,,5,2\n1,2,,6,3\n"
+    first, second, third = result_tables(_file(tmp_path, "run.csv", text))
+    assert (first.line, second.line, third.line) == (1, 6, 6)
+    assert first.columns[1].values.tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert (second.columns[1].header, third.columns[1].header) == ("y [m]", "z [m]")
+    assert third.columns[0].values.tolist() == [5.0, 6.0]
+
+
+def _damaged(content, random):
+    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words of another file."""
+    for _ in range(random.integers(1, 4)):
+        at, size = random.integers(len(content) + 1), random.integers(1, 40)
+        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b";", b"\n\n", b"<Step>")
+        content = (
+            content[:at],
+            content[:at] + content[at + size :],
+            content[:at] + content[max(0, at - size) :],
+            content[:at] + random.bytes(size) + content[at + size :],
+            content[:at] + words[random.integers(len(words))] + content[at:],
+        )[random.integers(5)]
+    return content
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("a.csv", lambda channels: layouts.csv(channels, delimiter=";", decimal=",")),
+        ("b.csv", lambda channels: layouts.solidworks([("Motor Torque1", channels)])),
+        ("a.tab", layouts.adams_table),
+        ("a.res", layouts.adams_results),
+        ("b.res", layouts.robotran),
+    ],
+)
+def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, name, write):
+    time = np.linspace(0.0, 1.0, 30)
+    content = write([Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]).encode()
+    for seed in range(10):
+        path = _file(tmp_path, name, _damaged(content, np.random.default_rng(seed)))
+        try:
+            outcome = read_results([path], JUKI).signals
+        except LinkproofError as refusal:
+            outcome = str(refusal)
+        assert outcome
+        assert "\n" not in outcome
+        assert len(outcome) <= 1500
+
+
+def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
+    rows = "0.0001;-12.3456;1.25e-3\n" * 20_000
+    text = "t;x;y\n" + rows + "not a number;1;2\n" * 2_000
+    with pytest.raises(LinkproofError, match=r"run.csv:20002: expected a finite number in column 1"):
+        result_tables(_file(tmp_path, "run.csv", text))

@@ -1,0 +1,180 @@
+"""A case, computed once a clock; and drivers that are not cranks, against ``direct`` and virtual work."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion, swing
+from analytic.description.linkage import DriverKind
+from analytic.description.loading import load
+from analytic.dynamics.reduced import drive_torque, equation_of_motion, equilibria
+from analytic.errors import AssemblyError
+from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designer.building import usual_case
+from comparisons.motion.case import Case, channel_truth, zero_of_output
+from comparisons.trials.invariants.checks import checks
+from comparisons.trials.judging.quantities import all_quantities
+from comparisons.trials.judging.records import Error
+from comparisons.trials.observed_motion import ObservedMotion
+from engines.contract import History, Setting
+from engines.direct_adapter.adapter import DirectEngine
+from engines.mechanics.start_check import ability_obstacle
+from engines.scene import Channel, Scene
+from tests.analytic.linkages import driven, from_text
+from tests.analytic.swinging import double_rocker
+
+MOTIONS = {
+    "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),
+    "cylinder-in-the-loop": CrankMotion("there", (Segment(0.0, 0.3, (0.08, 0.05, 0.3, -0.1)),)),
+    "ternary-on-rods": crank_motion("run-up", start_angle=0.3),
+    "linear-motor": CrankMotion("there", (Segment(0.0, 0.3, (0.0, 0.1, 1.5, -3.0)),)),
+}
+LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
+LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
+BLANK = Error("sample", "base", "there", "", "direct", "tuned")
+
+
+CROSSED = """
+title = "a pin in the slot of the crank and on a guide of the ground"
+units = {{ length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }}
+crank = "crank"
+output = {{ point = "D", along = [{0}, {1}] }}
+[ground]
+O = [0, 0]
+[links.crank]
+points = {{ O = [0, 0], A = [50, 0] }}
+[links.block]
+slides = {{ point = "D", on = "crank", through = [0, {offset}], along = [1, 0] }}
+[links.slide]
+slides = {{ point = "D", through = [0, 100], along = [{cosine}, {sine}] }}
+[sketch]
+angle = 89
+points = {{ D = [0, 100] }}
+"""
+
+
+def test_a_crank_that_turns_fully_counts_from_its_top_dead_centre_whatever_it_does():
+    mechanism = Mechanism(load("juki-mf7923d"))
+    motion = swing("cycloidal", math.radians(100.0), math.radians(140.0), speed=1.0)
+    assert zero_of_output(mechanism, motion) == top_dead_centre(mechanism).coordinate
+
+
+def test_a_crank_that_cannot_counts_from_the_farthest_point_of_the_motion():
+    """At the crank angle where crank and coupler are in line the coupler's end is farthest from the crank's pivot."""
+    mechanism = Mechanism(double_rocker(along=(-1.0, 0.0)))
+    assert top_of_turn(mechanism) is None
+    motion = swing("cycloidal", math.radians(-10.0), math.radians(65.0), time=0.3)
+    dense = [
+        max(mechanism.sweep(motion.angle([0.3 * (k + shift) / 5000 for k in range(5000)])).output())
+        for shift in (0.0, 0.5)
+    ]
+    assert zero_of_output(mechanism, motion) == pytest.approx(max(dense), rel=1e-6)
+    assert zero_of_output(mechanism, motion) >= max(dense)
+    short = swing("cycloidal", math.radians(50.0), math.radians(65.0), time=0.3)
+    ends = mechanism.sweep([math.radians(50.0), math.radians(65.0)]).output()
+    assert zero_of_output(mechanism, short) == pytest.approx(max(ends), rel=1e-15)
+
+
+@pytest.mark.parametrize(("along", "offset"), [((1, 0), 0), ((0.6, 0.8), -30)])
+def test_parallel_guides_between_two_steps_leave_no_full_turn(along, offset):
+    """From (0, h) the slot crosses a guide at β after (offset - h cos φ) / sin(β - φ), without a bound at β."""
+    tilt = 0.2
+    text = CROSSED.format(*along, offset=offset, cosine=math.cos(tilt), sine=math.sin(tilt))
+    mechanism = from_text(text)
+    case = usual_case(mechanism)
+    assert top_of_turn(mechanism) is None
+    low, high = case.reach
+    assert tilt < low < high < tilt + math.pi
+    phi = np.linspace(low, high, 20_001)
+    way = (1e-3 * offset - 0.1 * np.cos(phi)) / np.sin(tilt - phi)
+    place = along[0] * way * math.cos(tilt) + along[1] * (0.1 + way * math.sin(tilt))
+    assert zero_of_output(mechanism, case.motion) == pytest.approx(np.max(place), rel=1e-6)
+    assert zero_of_output(mechanism, case.motion) >= np.max(place) * (1.0 - 1e-12)
+
+
+def ran(case: Case) -> tuple[Scene, History]:
+    scene = case.scene(Channel)
+    run = DirectEngine().run(scene, Setting.TUNED)
+    assert run.history is not None, run.reason
+    return scene, run.history
+
+
+def deviation(case: Case, scene: Scene, history: History) -> float:
+    """Largest deviation of any channel of direct, over its peak."""
+    worst = 0.0
+    for channel in LEVELS:
+        signal = getattr(history, channel.value)
+        for number, body in enumerate(scene.bodies):
+            true = channel_truth(case, channel, body.name, signal.time)[:, : 3 if scene.can_turn(body) else 2]
+            seen = signal.values[:, number, : true.shape[1]]
+            worst = max(worst, float(np.max(np.abs(seen - true)) / np.max(np.abs(true))))
+    for joint, signal in history.joint_force.items():
+        true = channel_truth(case, Channel.JOINT_FORCE, joint, signal.time)
+        worst = max(worst, float(np.max(np.abs(signal.values - true)) / np.max(np.abs(true))))
+    if history.torque and case.is_prescribed:
+        true = channel_truth(case, Channel.TORQUE, "", history.torque.time)
+        worst = max(worst, float(np.max(np.abs(history.torque.values - true)) / np.max(np.abs(true))))
+    return worst
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_direct_agrees_with_a_prescribed_travel(name):
+    case = Case(driven(name), MOTIONS[name])
+    case.check_motion()
+    assert deviation(case, *ran(case)) < 1e-12
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_every_check_of_the_motion_passes_and_is_in_the_units_of_a_push(name):
+    case = Case(driven(name), MOTIONS[name])
+    records = {r.quantity: r for r in checks(case, ObservedMotion(*ran(case)), BLANK)}
+    assert {r.outcome for r in records.values()} == {"passed"}, records
+    assert (records["crank_phase"].unit, records["torque_two_routes"].unit) == ("m", "N")
+    assert {q.name: q.unit for q in all_quantities(case).values() if q.name in ("Jeq", "Mkr", "Teq")} == {
+        "Jeq": "kg", "Mkr": "N", "Teq": "J",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["boom", "ternary-on-rods"])
+def test_a_false_push_is_seen(name):
+    case = Case(driven(name), MOTIONS[name])
+    scene, history = ran(case)
+    assert history.torque is not None
+    wrong = replace(history, torque=replace(history.torque, values=1.01 * history.torque.values))
+    records = {r.quantity: r.outcome for r in checks(case, ObservedMotion(scene, wrong), BLANK)}
+    assert records["torque_two_routes"] == "over-limit"
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_the_range_is_said_in_the_length_unit_of_the_file(name):
+    mechanism = driven(name)
+    limits = mechanism.crank_range()
+    low, high = limits.limits
+    with pytest.raises(AssemblyError, match=r"mm .*its drive reaches .* mm"):
+        limits.check(low, 2.0 * high, "sample")
+    with pytest.raises(AssemblyError, match=r"at .* mm:"):
+        mechanism.sweep(np.array([high + 1e-3])).poses(mechanism.structure.groups[-1].links[0])
+    assert max(mechanism.error_bound()) < 1e-8
+    equation = equation_of_motion(mechanism)
+    assert np.isfinite(equation.peak_moment)
+    assert equation.tabulated() is equation
+
+
+def test_engines_without_linear_drives_refuse_them():
+    scene = Case(driven("boom"), MOTIONS["boom"]).scene(Channel)
+    reason = ability_obstacle(scene, replace(DirectEngine.abilities, drivers=frozenset({DriverKind.CRANK})))
+    assert reason == f"it takes no {scene.driver_kind} as the driver, only a crank"
+
+
+def test_a_pushed_driver_rests_where_its_force_holds_the_loads():
+    force = 1200.0
+    rests = equilibria(driven("boom"), force)
+    assert rests
+    for rest in rests:
+        beside = rest.angle + np.array([-1e-6, 0.0, 1e-6])
+        needed = drive_torque(driven("boom").sweep(beside), 0.0, 0.0)
+        assert needed[1] == pytest.approx(force, abs=1e-9 * max(force, abs(needed[2] - needed[0]) * 1e6))
+        assert rest.stable == bool(needed[2] > needed[0])

@@ -1,0 +1,345 @@
+"""A campaign judges the runs of engines, and a failure costs one run only."""
+
+import dataclasses
+import sys
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.linkage import ReleasedRegime
+from analytic.description.loading import load
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designer.building import usual_sheet
+from comparisons.trials.campaign import campaign
+from comparisons.trials.campaign import campaign as module
+from comparisons.trials.campaign.campaign import CampaignRequest, compare, sheets
+from comparisons.trials.judging import quantities
+from comparisons.trials.judging.records import Verdict
+from comparisons.trials.runs.run_engine import GIB
+from comparisons.trials.runs.workers import Bounds, LocalPool
+from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
+from engines.scene import Channel
+from tests.comparisons.faults import Clock, announce_engines, fail
+from tests.comparisons.true_motions import cut, perfect_motion
+
+JUKI = load("juki-mf7923d")
+MOTION = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02)
+HISTORY = perfect_motion(Mechanism(JUKI), MOTION, 801).history
+PARALLELOGRAM = load("tests/linkages/parallelogram.toml")
+# Its coupler is too short for a full turn.
+COUPLER = dataclasses.replace(JUKI.links["coupler"], points={"A": (0.0, 0.0), "D": (0.0100, 0.0)})
+SHORT = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": COUPLER}, sketch_angle=np.pi / 2)
+SWING = ReleasedRegime("swing", torque=0.0, start_angle=1.5, start_speed=1.0, duration=0.004)
+PART = crank_motion("constant-speed", speed=1.0, ramp_time=0.2, hold_time=0.0, start_angle=1.4)
+
+RAISED = (
+    "the adapter of raising raised ValueError: first line second line (tests/comparisons/faults.py, line "
+    f"{fail.__code__.co_firstlineno + 1})"
+)
+
+
+BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
+
+
+class Scripted:
+    """An engine that returns what ``act`` makes of a scene."""
+
+    name = "scripted"
+    work_unit = "steps"
+    is_control = False
+
+    def __init__(self, act, version="1.0", channels=tuple(Channel)):
+        self.act, self._version = act, version
+        readouts = {channel: ReadOut("scripted") for channel in channels}
+        self.abilities = Abilities(readouts, frozenset(), frozenset(), frozenset())
+        self.scenes = []
+
+    def version(self):
+        return self._version
+
+    def run(self, scene, setting):
+        self.scenes.append(scene)
+        return self.act(scene)
+
+
+@pytest.fixture
+def with_engine(monkeypatch):
+    def install(engine):
+        monkeypatch.setattr(campaign, "engine_names", lambda: ("scripted",))
+        monkeypatch.setattr(campaign, "engine", lambda name: engine)
+        return engine
+
+    return install
+
+
+def _request(**changes):
+    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("scripted",))
+    return dataclasses.replace(request, **changes)
+
+
+def _finished(**changes):
+    run = Run(Outcome.FINISHED, history=dataclasses.replace(HISTORY, **changes), seconds=0.5, steps=1400)
+    return Scripted(lambda scene: run)
+
+
+def _outcomes(result):
+    return {record.quantity: record.outcome for record in (*result.errors, *result.invariants)}
+
+
+def test_a_perfect_engine_passes_everything(with_engine):
+    with_engine(_finished())
+    (result,) = compare(_request())
+    assert set(_outcomes(result).values()) == {"passed"}
+    assert {"Jeq", "Teq", "Mkr", "Peq", "S", "v", "a", "joint_force:A"} <= set(_outcomes(result))
+    assert all(error.limit is not None for error in result.errors)
+    assert (result.seconds, result.steps) == (0.5, 1400)
+
+
+def test_a_wrong_motion_that_claims_success_is_over_its_limit(with_engine):
+    with_engine(_finished(velocity=Signal(HISTORY.velocity.time, 0.99 * HISTORY.velocity.values)))
+    (result,) = compare(_request())
+    outcomes = _outcomes(result)
+    assert outcomes["Teq"] == outcomes["v"] == outcomes["energy_balance"] == Verdict.OVER_LIMIT
+    assert outcomes["S"] == Verdict.PASSED
+    assert "over its limit" in next(r.detail for r in result.errors if r.quantity == "Teq")
+
+
+def test_part_of_a_motion_is_divergence_whichever_quantity_is_compared(with_engine):
+    with_engine(Scripted(lambda scene: Run(Outcome.FINISHED, history=cut(HISTORY, lambda t: t > 0.005))))
+    (result,) = compare(_request(quantities=("Mkr",), with_invariants=False))
+    ((outcome, detail),) = {(r.outcome, r.detail) for r in result.errors}
+    assert outcome == "diverged"
+    assert detail.endswith("has no samples from 0 to 0.0051 s, where its own step is 0.0001 s")
+
+
+@pytest.mark.parametrize(("offered", "outcome"), [(True, "adapter-error"), (False, "not-provided")])
+def test_a_channel_without_a_record_costs_its_own_rows(with_engine, offered, outcome):
+    """An engine that offers the channel has an error in its adapter; one that does not offer it is not at fault."""
+    channels = [channel for channel in Channel if offered or channel is not Channel.ACCELERATION]
+    with_engine(Scripted(_finished(acceleration=None).act, channels=channels))
+    (result,) = compare(_request())
+    outcomes = _outcomes(result)
+    assert outcomes.pop("a") == outcome
+    for name in ("closure", "torque_two_routes", "force_balance"):
+        assert outcomes.pop(name) == "not-provided"
+    assert set(outcomes.values()) == {"passed"}
+    assert "acceleration" in next(r.detail for r in result.errors if r.quantity == "a")
+
+
+def test_a_joint_force_that_is_a_magnitude_is_judged_as_one(with_engine):
+    sizes = {name: Signal(s.time, np.hypot(*s.values.T)) for name, s in HISTORY.joint_force.items()}
+    with_engine(_finished(joint_force=sizes))
+    (result,) = compare(_request())
+    outcomes = _outcomes(result)
+    assert outcomes.pop("force_balance") == "not-provided"
+    assert set(outcomes.values()) == {"passed"}
+
+
+def test_a_torque_that_the_adapter_computes_is_compared_and_not_judged(with_engine):
+    torque = dataclasses.replace(HISTORY.torque, values=2.0 * HISTORY.torque.values, origin=Origin.COMPUTED)
+    with_engine(_finished(torque=torque))
+    (result,) = compare(_request())
+    outcomes = _outcomes(result)
+    computed = {"Mkr", "Peq", "energy_balance", "torque_two_routes"}
+    assert {name for name, outcome in outcomes.items() if outcome == "computed"} == computed
+    assert {outcome for name, outcome in outcomes.items() if name not in computed} == {"passed"}
+    assert next(r.error_max for r in result.errors if r.quantity == "Mkr") == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_derived_quantity_has_the_weakest_origin_of_its_parts(with_engine):
+    with_engine(_finished(velocity=dataclasses.replace(HISTORY.velocity, origin=Origin.EXTRAPOLATED)))
+    (result,) = compare(_request())
+    origins = {r.quantity: r.origin for r in result.errors}
+    assert {name for name, origin in origins.items() if origin == "extrapolated"} == {"Jeq", "Teq", "Peq", "v", "a"}
+    assert {origins["Mkr"], origins["S"], origins["joint_force:A"]} == {"read"}
+
+
+def _raise_type_error(*_):
+    raise TypeError("of our own making")
+
+
+@pytest.mark.parametrize("function", ["checks", "judged_deviation"])
+def test_an_exception_of_the_suite_is_not_blamed_on_the_engine(with_engine, monkeypatch, function):
+    with_engine(_finished())
+    monkeypatch.setattr(campaign, function, _raise_type_error)
+    (result,) = compare(_request(), pool=LocalPool(0))
+    assert {r.outcome for r in result.errors} == {"suite-error"}
+    assert result.errors[0].detail.startswith("this is a fault of linkproof: TypeError: of our own making (comparisons")
+    assert "report it with" in result.errors[0].detail
+
+
+@pytest.mark.parametrize("processes", [0, 1])
+def test_an_adapters_exception_costs_its_own_row_and_its_traceback_can_be_shown(
+    with_engine, monkeypatch, capfd, processes
+):
+    with_engine(Scripted(_raise_type_error))
+    monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
+    monkeypatch.setenv("LINKPROOF_WORKER_OUTPUT", "1")
+    (result,) = compare(_request(), pool=LocalPool(processes))
+    assert {r.outcome for r in result.errors} == {"adapter-error"}
+    assert "the adapter of scripted raised TypeError: of our own making (tests/" in result.errors[0].detail
+    assert "in _raise_type_error" in capfd.readouterr().err
+
+
+def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
+    with_engine(_finished())
+    monkeypatch.setattr(quantities, "near_jumps", lambda time, motion: np.ones(len(time), dtype=bool))
+    (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
+    assert _outcomes(result) == {"Mkr": "undefined", "S": "passed"}
+    assert "every sample of Mkr" in result.errors[0].detail
+    assert list(result.curves) == ["S"]
+
+
+def _swell(scene):
+    raise MemoryError
+
+
+@pytest.mark.parametrize(
+    ("engine", "outcome", "words"),
+    [
+        (Scripted(None, version=None), "unavailable", "is not installed"),
+        (Scripted(lambda scene: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
+        (Scripted(_swell), "crashed", "needed more than 4 GiB of memory"),
+    ],
+)
+def test_an_engine_without_a_motion_has_records_with_the_reason(with_engine, engine, outcome, words):
+    with_engine(engine)
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.errors} == {outcome}
+    assert words in result.errors[0].detail
+    assert all(r.error_max is None for r in result.errors)
+
+
+AT_REST = {"linkages": (PARALLELOGRAM,), "motions": (crank_motion("run-up", start_angle=0.0),)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "words"),
+    [
+        ({"engines": ("scripted", "scriptd")}, UnknownNameError, "scripted"),
+        ({"linkages": (JUKI, SHORT)}, AssemblyError, "cannot be assembled at"),
+        (AT_REST, AssemblyError, "at rest on a change point at 0°"),
+        ({"motions": (), "own_regimes": ("free",)}, LinkproofError, "'juki-mf7923d' can run in, got none"),
+        (
+            {"linkages": (dataclasses.replace(JUKI, output=None),), "quantities": ("S",)},
+            LinkproofError,
+            "names no output",
+        ),
+    ],
+)
+def test_a_campaign_that_cannot_be_made_is_refused_before_any_run(with_engine, changes, error, words):
+    engine = with_engine(_finished())
+    with pytest.raises(error, match=words):
+        list(compare(_request(**changes)))
+    assert engine.scenes == []
+
+
+def test_joint_forces_are_undefined_where_a_change_point_is_passed(with_engine):
+    with_engine(_finished())
+    motions = (crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02, start_angle=1.5),)
+    (result,) = compare(_request(linkages=(PARALLELOGRAM,), motions=motions, quantities=("joint_force",)))
+    details = {record.outcome: record.detail for record in result.errors}
+    assert "no bound where the linkage passes its change point" in details[Verdict.UNDEFINED.value]
+
+
+def test_only_angles_that_the_crank_passes_matter():
+    request = _request(linkages=(PARALLELOGRAM,), motions=(PART,), engines=("direct",), quantities=("Mkr", "v", "Jeq"))
+    (result,) = compare(request)
+    assert {record.outcome for record in result.errors} == {"passed"}
+
+
+def test_the_output_is_compared_where_the_crank_cannot_turn_fully():
+    linkage = dataclasses.replace(SHORT, regimes=(SWING,))
+    request = _request(linkages=(linkage,), motions=(PART,), engines=("direct",), own_regimes=("swing",))
+    results = list(compare(request, pool=LocalPool(0)))
+    assert [result.regime for result in results] == ["constant-speed", "swing"]
+    for result in results:
+        assert {r.outcome for r in result.errors if r.quantity in ("S", "v", "a")} == {"passed"}
+
+
+def _brief(**changes):
+    """A request of real runs: two motions and two settings of the direct engine, and a released crank."""
+    settings = (Setting.NAIVE, Setting.TUNED)
+    linkage = dataclasses.replace(JUKI, regimes=(SWING,))
+    request = CampaignRequest((linkage,), BRIEF, "brief", ("direct",), settings, own_regimes=("swing",))
+    return dataclasses.replace(request, **changes)
+
+
+def _untimed(result):
+    """All of a result but its timings; arrays as bytes, so that == means every bit."""
+    curves = {name: curve.tobytes() for name, curve in result.curves.items()}
+    return dataclasses.replace(result, seconds=0.0, setup_seconds=0.0), curves
+
+
+@pytest.fixture(scope="module")
+def made_here():
+    """The results of the brief request, made in this process."""
+    return [_untimed(result) for result in compare(_brief(), pool=LocalPool(0))]
+
+
+def test_runs_in_workers_are_the_same_in_the_same_order_and_announced(made_here):
+    heard = []
+    results = compare(_brief(), lambda *words: heard.append(words), pool=LocalPool(2))
+    assert [_untimed(result) for result in results] == made_here
+    runs = [(motion.regime, setting) for motion in BRIEF for setting in ("naive", "tuned")] + [("swing", "tuned")]
+    labels = [f"juki-mf7923d, {regime}: direct {setting}" for regime, setting in runs]
+    assert {label for label, *_ in heard} == set(labels)
+    assert sorted({finished for _, finished, _ in heard}) == list(range(len(labels) + 1))
+    assert {total for *_, total in heard} == {len(labels)} == {len(made_here)}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
+def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
+    announce_engines(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    faulty = ("aborting", "leaving", "raising", "swelling", "writing", "hanging")
+    motions, settings = BRIEF[:1], (Setting.TUNED,)
+    request = CampaignRequest((JUKI,), motions, "brief", ("direct", *faulty), settings)
+    clock = Clock()
+    monkeypatch.setattr("pebble.pool.process.time", clock)
+
+    def begun(label, *_):
+        clock.rate = 1000.0 if "hanging" in label else clock.rate
+
+    results = list(compare(request, begun, bounds=Bounds(memory=GIB // 4), pool=LocalPool(1)))
+    found = {result.engine: {(r.outcome, r.detail) for r in result.errors} for result in results}
+    assert list(found) == list(request.engines)
+    assert found == {
+        "direct": {("passed", "")},
+        "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
+        "hanging": {("timed-out", "took longer than 600 s")},
+        "leaving": {("crashed", "exited with code 3")},
+        "raising": {("adapter-error", RAISED)},
+        "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
+        "writing": {("diverged", "did nothing")},
+    }
+    assert {result.engine_version for result in results[1:]} == {"1.0"}
+    assert len({len(result.errors) for result in results}) == 1
+    assert capfd.readouterr() == ("", "")
+
+
+NAMES = ("slotted-takeup", "juki-mf7923d")
+LINKAGES = tuple(load(name) for name in NAMES)
+SHEETS = LINKAGES, (crank_motion("run-up", speed=500 * RPM),), ("free",)
+
+
+def test_every_linkage_has_a_sheet_of_the_campaigns_motions():
+    found = sheets(*SHEETS, 2)
+    assert [sheet.name for sheet in found] == list(NAMES)
+    assert all("500 rpm" in sheet.conditions for sheet in found)
+    assert [list(sheet.released) for sheet in found] == [["free"], []]
+
+
+def test_a_sheet_that_fails_costs_no_other(monkeypatch):
+    def broken(linkage, *rest):
+        if linkage.name == "juki-mf7923d":
+            raise ZeroDivisionError("a fault of the suite")
+        return usual_sheet(linkage, *rest)
+
+    monkeypatch.setattr(module, "usual_sheet", broken)
+    whole, lost = sheets(*SHEETS, 0)
+    assert "a fault of the suite" in lost.missing["values"]
+    assert (lost.name, lost.linkage) == ("juki-mf7923d", LINKAGES[1])
+    assert whole.values

@@ -1,0 +1,517 @@
+"""The invariants pass every true motion and detect every fault in one, without the closed form."""
+
+import dataclasses
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, crank_motion
+from analytic.description.linkage import ReleasedRegime, RotaryDamper
+from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.motion.case import Case, case_of_file_regime
+from comparisons.trials.invariants.checks import _judge_signal, checks, closure, crank_phase, energy_balance, joint_gaps
+from comparisons.trials.invariants.inspection import Inspection
+from comparisons.trials.judging.limits import limit
+from comparisons.trials.judging.records import Verdict, run_of
+from comparisons.trials.observed_motion import ObservedMotion
+from comparisons.trials.stress.cells import Conditions, case, reversal
+from comparisons.trials.stress.verdict import StressVerdict
+from engines.contract import Signal
+from engines.scene import Channel
+from tests.analytic.linkages import mechanism as sample
+from tests.comparisons.true_motions import EVERYTHING, alarms, cut, judgement, perfect_motion, true_history, with_signal
+
+JUKI = "juki-mf7923d"
+
+TESTED = sorted(str(path) for path in (Path(__file__).parents[3] / "linkages").glob("*.toml"))
+TURNING = [*catalogue(), *(path for path in TESTED if "parallelogram" not in path)]
+SOME = [JUKI, *(pytest.param(name, marks=pytest.mark.nightly) for name in ("rimoldi-164", "slotted-takeup"))]
+
+
+@cache
+def mechanism(name):
+    return Mechanism(load(name))
+
+
+@cache
+def driven(name, regime="run-up-quintic", speed=100.0, start_angle=0.0):
+    return Case(mechanism(name), crank_motion(regime, speed=speed, start_angle=start_angle))
+
+
+@cache
+def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_angle=0.3):
+    """Let go at a speed, with one damper on the crank as all the damping there is."""
+    linkage = load(name)
+    damper = RotaryDamper((linkage.crank, "ground"), damping)
+    linkage = dataclasses.replace(linkage, dampers=(damper,) if damping else ())
+    own = ReleasedRegime("free", torque, start_angle, speed, turns * 2.0 * np.pi / speed)
+    return case_of_file_regime(Mechanism(linkage), own)
+
+
+def records(one, history):
+    found = checks(one, ObservedMotion(one.scene(EVERYTHING), history), run_of(one, "tuned").blank)
+    return {record.quantity: record for record in found}
+
+
+# -- a true motion -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [JUKI, *(pytest.param(name, marks=pytest.mark.nightly) for name in TURNING[1:])])
+def test_a_true_motion_raises_no_alarm(name):
+    one = driven(name)
+    found = judgement(one, true_history(one, 2401))
+    assert (found.verdict, alarms(found)) == (StressVerdict.WITHIN, ())
+
+
+@settings(max_examples=6)
+@given(
+    name=st.sampled_from(TURNING),
+    regime=st.sampled_from(REGIMES),
+    speed=st.floats(1.0, 1e4),
+    start_angle=st.floats(-3.0, 3.0),
+    count=st.integers(900, 1500),
+)
+def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, count):
+    motion = crank_motion(regime, speed=speed, start_angle=start_angle, ramp_time=60.0 / speed, hold_time=10.0 / speed)
+    one = Case(mechanism(name), motion)
+    assert alarms(judgement(one, true_history(one, count))) == ()
+
+
+@pytest.mark.parametrize("count", [25, 150])
+def test_coarse_samples_of_a_true_motion_raise_none(count):
+    one = driven(JUKI)
+    assert alarms(judgement(one, true_history(one, count))) == ()
+
+
+def test_a_reversal_raises_none():
+    one = Case(mechanism(JUKI), reversal(100.0, 0.0, 0.05, 0.02))
+    assert alarms(judgement(one, true_history(one))) == ()
+
+
+@pytest.mark.parametrize(("excess", "count"), [(1e-2, 301), (1e-6, 301), (1e-8, 1201)])
+def test_a_peak_between_two_samples_raises_none(excess, count):
+    conditions = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=excess)
+    one = case(conditions)
+    assert alarms(judgement(one, true_history(one, count))) == ()
+
+
+def test_the_velocity_may_have_a_clock_of_its_own():
+    motion = crank_motion("run-up-quintic")
+    seen = perfect_motion(mechanism(JUKI), motion, 2801, shift=0.5)
+    found = judgement(Case(mechanism(JUKI), motion), seen.history)
+    assert alarms(found) == ()
+
+
+# -- one thing wrong ---------------------------------------------------------------------------------------------------
+
+
+FAULTS = {
+    "slow bodies": ("velocity", lambda values, _: 0.98 * values),
+    "a jerked body": ("velocity", lambda values, _: values + _bump(values, 500)),
+    "a lost body": ("position", lambda values, _: values + _bump(values, 700)),
+    "weak accelerations": ("acceleration", lambda values, _: 0.95 * values),
+    "a large torque": ("torque", lambda values, _: 1.03 * values),
+    "a torque of the other sign": ("torque", lambda values, _: -values),
+    "a torque that comes late": ("torque", lambda values, _: np.roll(values, 12)),
+    "a torque without its peaks": ("torque", lambda values, _: np.clip(values, *np.quantile(values, [0.02, 0.98]))),
+    "no torque": ("torque", lambda values, _: 0.0 * values),
+}
+
+
+def _bump(values, at):
+    """Three samples of the last body a good deal off."""
+    off = np.zeros_like(values)
+    off[at : at + 3, -1, 0] = 0.05 * np.max(np.abs(values))
+    return off
+
+
+@pytest.mark.parametrize("name", SOME)
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_in_one_signal_is_caught(name, fault):
+    signal, change = FAULTS[fault]
+    one = driven(name)
+    found = judgement(one, with_signal(true_history(one), signal, change))
+    assert alarms(found), fault
+    assert found.verdict is not StressVerdict.MISSED
+
+
+@settings(max_examples=6)
+@given(
+    name=st.sampled_from(TURNING),
+    signal=st.sampled_from(["velocity", "acceleration", "torque"]),
+    scale=st.one_of(st.floats(-2.0, 0.98), st.floats(1.02, 5.0)),
+)
+def test_whatever_is_scaled_is_caught(name, signal, scale):
+    one = driven(name)
+    assert alarms(judgement(one, with_signal(true_history(one, 601), signal, lambda values, _: scale * values)))
+
+
+@settings(max_examples=6)
+@given(name=st.sampled_from(TURNING), lag=st.floats(0.011, 3.0), ahead=st.booleans())
+def test_a_crank_off_its_drive_is_caught(name, lag, ahead):
+    one = driven(name)
+    found = judgement(one, true_history(one, 601, lag=-lag if ahead else lag))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in alarms(found)
+
+
+@pytest.mark.parametrize("name", SOME)
+@pytest.mark.parametrize("scale", [0.98, 1.02])
+def test_a_wrong_force_in_any_one_joint_is_caught(name, scale):
+    one = driven(name)
+    history = true_history(one)
+    for joint, signal in history.joint_force.items():
+        forces = {**history.joint_force, joint: Signal(signal.time, scale * signal.values)}
+        found = judgement(one, dataclasses.replace(history, joint_force=forces))
+        assert "force_balance" in alarms(found), joint
+        assert {*alarms(found)} <= {"force_balance", "weight_on_frame"}, joint
+
+
+@pytest.mark.parametrize("regime", ["run-up", "constant-speed"])
+@pytest.mark.parametrize("name", ["fork-takeup", JUKI])
+def test_gravity_of_9_80_is_caught_by_the_weight_on_the_frame_alone(name, regime):
+    one, linkage = driven(name, regime), mechanism(name).linkage
+    history = true_history(one, 1401, mechanism=Mechanism(dataclasses.replace(linkage, gravity=(0.0, -9.80))))
+    assert alarms(judgement(one, history)) == ("weight_on_frame",)
+    off = records(one, history)["weight_on_frame"].error_max
+    assert off == pytest.approx(0.01 / 9.81, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["force-over-angle", "spring-and-damper"])
+def test_the_frame_carries_forces_and_springs_beside_the_weight(name):
+    one = Case(sample(name), crank_motion("constant-speed", speed=20.0, ramp_time=0.4))
+    assert records(one, true_history(one))["weight_on_frame"].error_max < 1e-6
+
+
+def test_forces_may_have_clocks_of_their_own():
+    """The last joint's begins late; the others are read between their samples, up to a jump of the acceleration."""
+    one = driven(JUKI, "run-up")
+    history, (*others, last) = true_history(one, 1201), one.joint_names()
+    coarse = true_history(one, 1000).joint_force
+    late = Signal(history.torque.time[200:], history.joint_force[last].values[200:])
+    forces = {**{name: coarse[name] for name in others}, last: late}
+    record = records(one, dataclasses.replace(history, joint_force=forces))["force_balance"]
+    assert (record.outcome, record.error_max < 1e-6) == ("passed", True)
+
+
+def test_a_guide_that_pulls_along_itself_is_caught():
+    one = driven(JUKI)
+    history = true_history(one)
+    (guide,) = (name for name in history.joint_force if " on " in name)
+    signal = history.joint_force[guide]
+    along = 0.02 * np.max(np.abs(signal.values)) * np.array([0.0, 1.0])
+    forces = {**history.joint_force, guide: Signal(signal.time, signal.values + along)}
+    assert "force_balance" in alarms(judgement(one, dataclasses.replace(history, joint_force=forces)))
+
+
+def test_another_linkage_is_caught_by_what_its_joints_lack():
+    """A rod longer by 3e-5 opens its joint by as little, and near the toggle moves the slider by 40 times as much."""
+    true = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=1e-5)
+    one, other = case(true), case(dataclasses.replace(true, excess=4e-5))
+    found = judgement(one, true_history(one, 1201, mechanism=other.mechanism))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "joint_gap" not in alarms(found)
+    assert "closure" in alarms(found)
+
+
+# -- a spike beside a toggle -----------------------------------------------------------------------------------------
+
+
+def spike(name, degrees, clockwise=False):
+    """A passage so close to a toggle that torque and energy rise and fall within some samples."""
+    path = Path(__file__).with_name("spikes") / f"{name}.toml"
+    motion = crank_motion("run-up-quintic", start_angle=np.radians(degrees), clockwise=clockwise)
+    return Case(Mechanism(load(str(path))), motion)
+
+
+SPIKES = [
+    pytest.param(("near-toggle", 78.8), id="near-toggle"),
+    pytest.param(("random-218", 78.79541471699513), id="random-218", marks=pytest.mark.nightly),
+    pytest.param(("random-315", 31.065246489508237, True), id="random-315", marks=pytest.mark.nightly),
+]
+
+
+@pytest.mark.parametrize("where", SPIKES)
+def test_a_spike_raises_no_alarm_and_its_energy_balance_is_undefined(where):
+    one = spike(*where)
+    found = records(one, true_history(one, 1401))
+    energy = found.pop("energy_balance")
+    assert {record.outcome for record in found.values()} == {Verdict.PASSED}
+    assert energy.outcome == Verdict.UNDEFINED
+    assert energy.error_max > energy.limit
+
+
+@pytest.mark.parametrize("signal", ["torque", "velocity", "acceleration"])
+@pytest.mark.parametrize("where", SPIKES)
+def test_a_fault_within_a_spike_is_caught(where, signal):
+    one = spike(*where)
+    history = true_history(one, 1401)
+    size = np.abs(getattr(history, signal).values).reshape(1401, -1).max(axis=1)
+    inside = np.abs(np.arange(1401) - np.argmax(size)) <= 2
+    wrong = with_signal(
+        history, signal, lambda values, _: np.where(inside.reshape(-1, *[1] * (values.ndim - 1)), 0.97, 1.0) * values
+    )
+    assert Verdict.OVER_LIMIT in {record.outcome for record in records(one, wrong).values()}
+
+
+# -- what cannot be judged ---------------------------------------------------------------------------------------------
+
+
+def test_few_samples_leave_what_is_integrated_undefined_and_nothing_else():
+    one = driven(JUKI)
+    found = records(one, true_history(one, 150))
+    left = {name: record for name, record in found.items() if record.outcome != Verdict.PASSED}
+    assert left.keys() == {"energy_balance", "weight_on_frame"}
+    for record in left.values():
+        assert record.outcome == Verdict.UNDEFINED
+        assert "error estimate" in record.detail
+
+
+def test_an_energy_balance_shows_its_error_estimate_where_that_is_larger():
+    one = driven(JUKI)
+    history = true_history(one, 1401)
+    balance = energy_balance(Inspection(ObservedMotion(one.scene(EVERYTHING), history)))
+    record = records(one, history)["energy_balance"]
+    assert record.outcome == Verdict.PASSED
+    assert record.error_max * record.peak == pytest.approx(np.max(balance.error_estimate))
+    assert np.all(np.abs(balance.gained) <= balance.error_estimate + 1e-12 * record.peak)
+
+
+def test_an_invariant_without_a_sample_is_undefined():
+    blank = run_of(driven(JUKI), "tuned").blank._replace(quantity="closure")
+    nowhere = Signal(np.linspace(0.0, 1.0, 30), np.full(30, np.nan))
+    record = _judge_signal(blank, nowhere, 1.0, 30)
+    assert (record.outcome, record.error_max, record.left_out) == (Verdict.UNDEFINED, None, 30)
+    assert record.detail
+
+
+# -- what is not told --------------------------------------------------------------------------------------------------
+
+
+def test_samples_half_a_turn_apart_are_not_the_motion():
+    one = driven(JUKI, "constant-speed")
+    found = judgement(one, cut(true_history(one), lambda t: np.abs(t - 0.6 * t[-1]) > 0.15 * t[-1]))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in alarms(found)
+
+
+# -- single ones -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def motion():
+    one = driven(JUKI)
+    return ObservedMotion(one.scene(EVERYTHING), true_history(one, 2801))
+
+
+def test_a_body_out_of_place_opens_its_joints_and_no_others(motion):
+    moved = with_signal(motion.history, "position", lambda values, _: values + _at(values, 1000, 1))
+    wrong = ObservedMotion(motion.scene, moved)
+    gaps = joint_gaps(wrong).values
+    assert gaps[1000] == pytest.approx(1e-6, rel=0.5)
+    assert gaps[999] < 1e-15
+    name = motion.scene.bodies[1].name
+    for joint, gap in wrong.joint_gaps(wrong.signal(Channel.POSITION).time).items():
+        touched = [pin.name for pin in motion.scene.pins if name in {pin.first, pin.second}]
+        assert bool(gap[1000] > 1e-8) is (joint in touched)
+
+
+def _at(values, sample, body):
+    off = np.zeros_like(values)
+    off[sample, body, 0] = 1e-6
+    return off
+
+
+def test_both_routes_to_the_torque_agree_at_standstill_too(motion):
+    by_power = Inspection(motion).torque_required()
+    torque = motion.history.torque
+    assert by_power.time[0] == 0.0
+    np.testing.assert_allclose(by_power.values, torque.values, atol=1e-10 * np.abs(torque.values).max())
+
+
+def test_energy_is_balanced_across_acceleration_jumps():
+    one = driven("rimoldi-164", "run-up")
+    seen = ObservedMotion(one.scene(EVERYTHING), true_history(one, 2801))
+    peak = seen.kinetic_energy(seen.history.velocity.time).max()
+    assert np.abs(energy_balance(Inspection(seen)).gained).max() < 1e-6 * peak
+
+
+# -- assembly modes and change points ----------------------------------------------------------------------------------
+
+
+def _unequal(excess, **changes):
+    return case(
+        Conditions(
+            "parallel-cranks", link="rocker", point="B", at=(0.025, 0.0), slope=(0.025, 0.0), start_angle=90.0,
+            excess=excess, motion="constant-speed", turns=1.4, **changes,
+        )
+    )  # fmt: skip
+
+
+def _parallel(one, count=1201):
+    """The smooth way through both change points: rocker parallel to the crank, coupler to the frame."""
+    history = true_history(one, count)
+    time = history.position.time
+    angle, speed, arm = one.motion.angle(time), one.motion.speed(time), 0.025
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    names = [body.name for body in one.scene(EVERYTHING).bodies]
+    coupler, rocker = names.index("coupler"), names.index("rocker")
+    position, velocity = history.position.values.copy(), history.velocity.values.copy()
+    acceleration = history.acceleration.values.copy()
+    position[:, coupler], velocity[:, coupler], acceleration[:, coupler] = 0.0, 0.0, 0.0
+    position[:, coupler, :2] = arm * circle + [0.03, 0.0]
+    velocity[:, coupler, :2] = arm * speed[:, None] * np.stack([-circle[:, 1], circle[:, 0]], axis=1)
+    acceleration[:, coupler, :2] = -arm * speed[:, None] ** 2 * circle
+    position[:, rocker, 2], velocity[:, rocker, 2], acceleration[:, rocker, 2] = angle, speed, 0.0
+    signals = {"position": position, "velocity": velocity, "acceleration": acceleration}
+    return dataclasses.replace(history, **{name: Signal(time, values) for name, values in signals.items()})
+
+
+def test_a_linkage_that_takes_the_smooth_way_through_a_change_point_is_caught_by_its_mode():
+    one = _unequal(1e-7)
+    history = _parallel(one)
+    seen = ObservedMotion(one.scene(EVERYTHING), history)
+    assert joint_gaps(seen).values.max() < 1e-4 * 0.025
+    mode = Inspection(seen).assembly_mode()
+    assert mode.values.max() > 0.5
+    assert (
+        mode.values[mode.time < 0.2 * one.motion.duration / 1.4].max() < 1e-3
+    )  # the first change point is at 1/4 turn
+    found = judgement(one, history)
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "assembly_mode" in alarms(found)
+
+
+def test_of_equal_lengths_the_smooth_way_is_the_right_one_and_the_other_is_caught():
+    one = _unequal(0.0)
+    found = judgement(one, _parallel(one))
+    assert found.verdict is StressVerdict.WITHIN
+    turned_back = Mechanism(one.mechanism.linkage)
+    turned_back.structure = turned_back.structure.with_signs((1,))
+    with np.errstate(all="ignore"):
+        found = judgement(one, true_history(one, 1200, mechanism=turned_back))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "assembly_mode" in alarms(found)
+
+
+def test_two_groups_in_their_other_modes_do_not_hide_each_other():
+    """The determinant of the whole linkage has its sign back; those of its groups have not."""
+    name = "slotted-takeup"
+    signs = tuple(-dyad.sign for dyad in mechanism(name).structure.dyads)
+    assert signs == (1, 1)
+    other = Mechanism(load(name))
+    other.structure = other.structure.with_signs(signs)
+    one = driven(name)
+    history = true_history(one, mechanism=other)
+    true, seen = (Inspection(ObservedMotion(one.scene(EVERYTHING), h)) for h in (true_history(one), history))
+    whole = [np.sign(np.prod(found.on(Channel.POSITION).determinants, axis=1)) for found in (true, seen)]
+    np.testing.assert_array_equal(*whole)
+    assert "assembly_mode" in alarms(judgement(one, history))
+
+
+def test_the_force_balance_is_undefined_where_a_change_point_is_passed():
+    one = _unequal(0.0)
+    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
+    records = {record.quantity: record for record in checks(one, motion, run_of(one, "tuned").blank)}
+    assert records["force_balance"].outcome == Verdict.UNDEFINED
+    assert "no bound where the linkage passes its change point at" in records["force_balance"].detail
+    assert records["assembly_mode"].outcome == Verdict.PASSED
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-5])  # rad from the change point to the nearest sample
+def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
+    motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
+    one = Case(sample("parallelogram"), motion)
+    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one, 1401))
+    records = checks(one, motion, run_of(one, "tuned").blank)
+    assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
+
+
+def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it():
+    one = Case(sample("parallelogram"), CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0, 60.0)),)))
+    history = _parallel(one, 1401)
+    beside = np.abs(one.motion.angle(history.torque.time) - math.pi) < 0.02
+    peak = np.max(np.abs(history.torque.values))
+    wrong = with_signal(history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
+    records = {
+        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), run_of(one, "tuned").blank)
+    }
+    assert records["torque_two_routes"].error_max == pytest.approx(0.01, rel=0.02)
+    assert abs(one.motion.angle(records["torque_two_routes"].worst_time) - math.pi) < 0.02
+
+
+# -- a released crank --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("damping", "torque"), [(0.0, 0.0), (0.5, 2.0)])
+def test_a_released_crank_raises_none(damping, torque):
+    one = released(JUKI, damping=damping, torque=torque)
+    assert alarms(judgement(one, true_history(one, 1501))) == ()
+
+
+def test_the_angle_turned_before_the_first_acceleration_is_not_the_engines_error():
+    one = released(JUKI, speed=100.0, torque=0.5, turns=3.0)
+    history = true_history(one)
+    late = Signal(history.acceleration.time[4:], history.acceleration.values[4:])
+    seen = Inspection(ObservedMotion(one.scene(EVERYTHING), dataclasses.replace(history, acceleration=late)))
+    assert np.max(crank_phase(seen).values) < 1e-12
+
+
+def test_tiny_dissipation_is_caught_over_many_turns():
+    """It takes less than the energy's own limit, and still puts the crank some hundredths of a radian behind."""
+    turns = 30
+    one, lossy = released(JUKI, turns), released(JUKI, turns, damping=2.2e-8)
+    history = true_history(dataclasses.replace(lossy, mechanism=one.mechanism), 100 * turns)
+    found = judgement(one, history)
+    assert found.verdict is StressVerdict.CAUGHT
+    assert alarms(found) == ("crank_phase",)
+
+
+def test_a_wrong_start_that_fits_itself_is_caught():
+    one, fast = released(JUKI), released(JUKI, speed=100.5, turns=5.0 * 1.005)
+    found = judgement(one, true_history(dataclasses.replace(fast, mechanism=one.mechanism)))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in alarms(found)
+
+
+def test_a_crank_that_rests_at_its_turning_point_is_caught():
+    """Its energy is right for ever; only the equation of motion forbids it."""
+    one = released(JUKI, turns=2.0, speed=3.0)
+    angle = one.motion.angle(np.linspace(0.0, one.motion.duration, 4001))
+    turning = int(np.argmax(np.abs(one.motion.speed(np.linspace(0.0, one.motion.duration, 4001))) < 1e-2))
+    assert 0 < turning < 3500
+    history = true_history(one, 4001)
+
+    def rests(values, _):
+        values[turning:] = values[turning]
+        return values
+
+    def still(values, _):
+        values[turning:] = 0.0
+        return values
+
+    for name, change in (("position", rests), ("velocity", still), ("acceleration", still)):
+        history = with_signal(history, name, change)
+    found = judgement(one, history)
+    assert np.ptp(angle) > 0.1
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "torque_two_routes" in alarms(found)
+
+
+def test_a_speed_its_acceleration_does_not_make_is_caught():
+    """Held back by a damper, the crank has forgotten its start within a sample; a slow engine has not."""
+    one = released(JUKI, damping=0.5, torque=2.0, speed=10.0, turns=1.0)
+    history = true_history(one, 401)
+    seen = ObservedMotion(one.scene(EVERYTHING), history)
+    assert closure(Inspection(seen))["drift"].values.max() < limit("closure", "tuned", "own").value
+    slow = with_signal(
+        history, "velocity", lambda values, time: values * (1.0 + 0.2 * np.exp(-time / 0.01))[:, None, None]
+    )
+    drift = closure(Inspection(ObservedMotion(one.scene(EVERYTHING), slow)))["drift"]
+    assert drift.values.max() > 0.1

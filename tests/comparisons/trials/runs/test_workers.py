@@ -1,0 +1,222 @@
+"""A job in a worker can fail, hang, crash or use up memory, and no other job is lost."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from comparisons.trials.runs import worker_process
+from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost
+from comparisons.trials.runs.workers import Bounds, LastingPool, run_jobs
+from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+BOUNDS = Bounds(memory=GIB // 16)
+
+FATES = [
+    ("abort", None, Failure.CRASHED, "died by signal 6 (SIGABRT)"),
+    ("crash", None, Failure.CRASHED, "died by signal 11 (SIGSEGV)"),
+    ("leave_at_once", 3, Failure.CRASHED, "exited with code 3"),
+    ("leave", None, Failure.CRASHED, "exited with code 0"),
+    ("leave", "words", Failure.CRASHED, "exited with code 1"),
+    ("swell", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("swell_in_c", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("fail", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
+    ("unsendable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: "),
+    ("unreadable", None, Failure.CRASHED, "sent an answer that cannot be read (ValueError)"),
+]
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The clock that the time of jobs is measured by."""
+    found = Clock()
+    monkeypatch.setattr("pebble.pool.process.time", found)
+    return found
+
+
+def runs(process):
+    """Whether a process is there and no zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def written(path):
+    return path.exists() and path.read_text() != ""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
+def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
+    jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
+    results = dict(run_jobs(job, jobs, bounds=BOUNDS))
+    assert sorted(results) == list(range(len(jobs)))
+    for number, (kind, _, outcome, reason) in enumerate(FATES):
+        lost = results[3 * number]
+        assert isinstance(lost, Lost), kind
+        assert (kind, lost.outcome) == (kind, outcome)
+        assert lost.reason.startswith(reason)
+        assert results[3 * number + 1] == results[3 * number + 2] == kind
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_job_that_writes_into_its_pipe_costs_itself_alone_and_prints_nothing(monkeypatch, capfd):
+    monkeypatch.setattr(worker_process, "_EXIT_TIMEOUT", 0.1)
+    results = dict(run_jobs(job, [("fine", 1), ("garble", None), ("fine", 2)], processes=1))
+    assert results == {0: 1, 1: Lost(Failure.CRASHED, "broke its connection"), 2: 2}
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
+    jobs = [("spoil", 1), *(("clocked", None),) * 3, ("fine", 3)]
+    results = dict(run_jobs(job, jobs, processes=1))
+    assert (len(results), results[0], results[4]) == (5, 1, 3)
+    assert not any(isinstance(one, Lost) for one in results.values())
+
+
+def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
+    begun = []
+    jobs = [("fine", 1), ("abort", None), ("abort", None), ("fine", 2)]
+    results = dict(run_jobs(job, jobs, processes=1, begun=begun.append))
+    assert [results[0], results[3]] == [1, 2]
+    assert {results[1].reason, results[2].reason} == {"died by signal 6 (SIGABRT)"}
+    assert begun == [0, 1, 1, 2, 3]
+
+
+def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
+    begun, path = [], tmp_path / "at last"
+    results = run_jobs(job, [("slow", str(path)), ("fine", 1), ("fine", 2)], processes=2, begun=begun.append)
+    assert [next(results), next(results)] == [(1, 1), (2, 2)]
+    path.touch()
+    assert list(results) == [(0, str(path))]
+    assert begun == [0, 1, 2]
+
+
+def test_output_is_shown_on_request(monkeypatch, capfd):
+    monkeypatch.setenv("LINKPROOF_WORKER_START", "spawn")
+    monkeypatch.setenv(SHOW_OUTPUT, "1")
+    list(run_jobs(job, [("write", None)], processes=1))
+    assert all("noise" in text for text in capfd.readouterr())
+
+
+def test_workers_import_what_their_parent_does_and_nothing_from_the_working_folder(tmp_path):
+    for name in ("program", "elsewhere"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "probe.py").write_text(f"def where():\n    return '{name}'\n")
+    words = (
+        "from comparisons.trials.runs.workers import run_jobs; import probe; print(list(run_jobs(probe.where, [()])))"
+    )
+    (tmp_path / "program" / "script.py").write_text(words)
+    command = [sys.executable, str(tmp_path / "program" / "script.py")]
+    done = subprocess.run(
+        command, cwd=tmp_path / "elsewhere", env=ENVIRONMENT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[(0, 'program')]\n"
+
+
+WITHOUT_PROCESSES = """
+import sys
+sys.modules["_multiprocessing"] = None
+from reports.command_line.main import main
+for line in sys.stdin:
+    sys.argv = ["linkproof", *line.split()]
+    try:
+        main()
+    except SystemExit as end:
+        if end.code:
+            raise
+"""
+
+
+def test_commands_run_where_there_are_no_processes():
+    lines = (
+        "check juki-mf7923d\n"
+        "results juki-mf7923d\n"
+        "sweep juki-mf7923d --vary crank.mass=0.1:0.2:3\n"
+        "compare juki-mf7923d --regime run-up --regime run-up-cubic --engine direct --quantity S\n"
+    )
+    command = [sys.executable, "-c", WITHOUT_PROCESSES]
+    done = subprocess.run(command, input=lines, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert (done.returncode, "2 deviations: 2 passed" in done.stdout) == (0, True), done.stderr
+
+
+def test_a_worker_that_has_ended_between_two_jobs_costs_none():
+    with closing(LastingPool(1)) as pool:
+        ((_, first),) = pool.run(os.getpid, [()])
+        os.kill(first, signal.SIGTERM)
+        ((_, second),) = pool.run(os.getpid, [()])
+        assert isinstance(second, int)
+
+
+def test_a_worker_does_not_hear_ctrl_c():
+    assert list(run_jobs(job, [("interrupt_itself", 7)])) == [(0, 7)]
+
+
+def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
+    jobs = [("fine", 1), ("fail", None), ("leave", 3)]
+    (_, fine), (_, failed), (_, left) = run_jobs(job, jobs, processes=0)
+    assert fine == 1
+    assert failed.outcome is Failure.SUITE_ERROR
+    assert "ValueError: first line second line (comparisons/trials/runs/workers.py, line " in failed.reason
+    assert left == Lost(Failure.CRASHED, "exited with code 3")
+    with pytest.raises(KeyboardInterrupt):
+        list(run_jobs(job, [("interrupt_itself", None)], processes=0))
+
+
+def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_path):
+    def signed(pool, name):
+        assert list(pool.run(job, [("sign", str(tmp_path / name))], BOUNDS)) == [(0, None)]
+        return int((tmp_path / name).read_text())
+
+    with closing(LastingPool(1)) as pool:
+        first = signed(pool, "first")
+        assert first == signed(pool, "second") != os.getpid()
+        assert runs(first)
+        left = pool.run(job, [("fine", 1), ("sign_and_sleep", str(tmp_path / "left"))], BOUNDS)
+        assert next(left) == (0, 1)
+        left.close()
+        assert not runs(first)
+        third = signed(pool, "third")
+        assert third != first
+        assert [lost.outcome for _, lost in pool.run(job, [("abort", None)], BOUNDS)] == [Failure.CRASHED]
+    assert not runs(third)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_a_job_over_its_time_costs_itself_alone_and_what_it_has_started_dies(tmp_path, clock):
+    path = tmp_path / "child"
+    results = run_jobs(job, [("fine", 1), ("fork_and_sleep", str(path))], processes=1)
+    assert next(results) == (0, 1)
+    assert wait_for(lambda: written(path))
+    assert runs(int(path.read_text()))
+    clock.rate = 1000.0
+    assert list(results) == [(1, Lost(Failure.TIMED_OUT, "took longer than 600 s"))]
+    assert wait_for(lambda: not runs(int(path.read_text())))
+
+
+PARENT = """
+import sys
+from comparisons.trials.runs.workers import run_jobs
+from tests.comparisons.faults import job
+list(run_jobs(job, zip(["sign_and_sleep", "fork_and_sleep"], sys.argv[1:]), processes=2))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("by", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)])
+def test_no_worker_and_nothing_that_it_has_started_outlives_the_command(tmp_path, by):
+    paths = [tmp_path / name for name in ("one", "two")]
+    command = [sys.executable, "-c", PARENT, *map(str, paths)]
+    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE, start_new_session=True) as parent:
+        assert wait_for(lambda: parent.poll() is not None or all(map(written, paths)))
+        assert parent.returncode is None, parent.stderr.read()
+        started = [int(path.read_text()) for path in paths]
+        assert all(map(runs, started))
+        os.kill(parent.pid, by)
+        parent.wait(PATIENCE)
+    assert wait_for(lambda: not any(map(runs, started)))

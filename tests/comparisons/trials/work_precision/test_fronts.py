@@ -1,0 +1,183 @@
+"""Order, front and price against their definitions; choices, places and the saved form of records known by hand."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.stats import theilslopes
+
+from analytic.errors import LinkproofError
+from comparisons.trials.runs.store import save_study
+from comparisons.trials.work_precision.fronts import (
+    WANTED,
+    choices,
+    has_floor,
+    is_falling,
+    judged,
+    least,
+    observed_order,
+    pareto,
+    price,
+    standings,
+    still_improves,
+    sustained,
+    sweeps,
+    theil_sen,
+)
+from comparisons.trials.work_precision.table import KIND, Bench, load, save
+from tests.comparisons.bench_rows import bench_of, points, row, setting_row, sweep_rows
+
+STEPS = [0.1 / 2**k for k in range(12)]
+POSITIVE = st.sampled_from([1e-6, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0])
+
+SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
+FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, runs=2)
+
+
+def made(order, size, floor, scatter):
+    """Errors size·(h/h₀)^order beside a floor, with a relative scatter of each."""
+    errors = [size * (step / STEPS[0]) ** order + floor for step in STEPS]
+    return [error * (1.0 + scatter[k % len(scatter)]) for k, error in enumerate(errors)]
+
+
+@settings(max_examples=30)
+@given(
+    order=st.sampled_from([1, 2, 3, 4, 6]),
+    size=st.floats(0.01, 0.25),
+    floor=st.floats(1e-14, 1e-4),
+    scatter=st.lists(st.floats(-0.08, 0.08), min_size=12, max_size=12),
+)
+def test_the_order_is_found_above_a_floor_and_through_scatter(order, size, floor, scatter):
+    clear = sum(size * (step / STEPS[0]) ** order > 10.0 * floor for step in STEPS)
+    assume(clear >= 4)
+    found = observed_order(STEPS, made(order, size, floor, scatter))
+    assert found is not None
+    assert found == pytest.approx(order, abs=0.3)
+
+
+@pytest.mark.parametrize("errors", [[1e-3], [1e-3, 2.5e-4], [0.0, 0.0, 0.0], [1.0, 2.0, 4.0, 8.0]])
+def test_too_few_points_or_a_rising_error_have_no_order(errors):
+    assert observed_order(STEPS[: len(errors)], errors) is None
+
+
+def test_a_refinement_pays_until_two_in_a_row_bring_nothing():
+    assert still_improves([1e-2])
+    assert still_improves([1e-2, 1e-3])
+    assert still_improves([1e-2, 1e-3, 2e-2])
+    assert still_improves([1e-2, 1e-3, 2e-3, 1e-5])
+    assert not still_improves([1e-2, 1e-3, 2e-3, 9e-4])
+    assert not still_improves([1e-16, 1e-16, 1e-16])
+
+
+@settings(max_examples=30)
+@given(st.lists(st.floats(-5.0, 5.0), min_size=2, max_size=12))
+def test_the_slope_is_scipy_s(values):
+    x, y = np.arange(len(values), dtype=float), np.array(values)
+    assert theil_sen(x, y) == pytest.approx(theilslopes(y, x)[0])
+
+
+@settings(max_examples=30)
+@given(st.lists(st.tuples(POSITIVE, POSITIVE), min_size=1, max_size=25))
+def test_the_front_is_what_no_other_beats(points):
+    costs, errors = zip(*points, strict=True)
+    beaten = [any(c <= cost and e <= error and (c < cost or e < error) for c, e in points) for cost, error in points]
+    assert list(pareto(costs, errors)) == [not one for one in beaten]
+
+
+@given(st.lists(st.floats(1e-12, 1.0), min_size=1, max_size=12), st.floats(1e-12, 1.0))
+def test_from_the_place_found_every_step_to_the_smallest_error_holds(errors, wanted):
+    place, best = sustained(errors, wanted), errors.index(min(errors))
+    if place is None:
+        assert min(errors) > wanted
+    else:
+        assert all(error <= wanted for error in errors[place : best + 1])
+        assert place == 0 or errors[place - 1] > wanted
+
+
+@given(st.floats(1.0, 6.0), st.floats(1e-6, 0.05))
+def test_a_price_on_a_straight_line_is_exact(order, wanted):
+    costs = [2.0**k for k in range(24)]
+    errors = [0.1 * cost**-order for cost in costs]
+    expected = (0.1 / wanted) ** (1.0 / order)
+    assert price(costs, errors, wanted) == pytest.approx(expected)
+
+
+def test_a_price_beyond_the_sweep_is_none_and_before_it_the_first():
+    assert price([1.0, 2.0], [1e-2, 1e-3], 1e-4) is None
+    assert price([1.0, 2.0], [1e-2, 1e-3], 0.5) == 1.0
+    assert price([1.0, 2.0], [1e-2, 0.0], 1e-4) == 2.0
+
+
+@pytest.mark.parametrize(
+    ("errors", "falls"), [([1e-2, 1e-3], True), ([1e-2, 9e-3], False), ([1e-3, 1e-4, 2e-4], False), ([1e-3], False),
+                          ([1e-3, 0.0], False)],
+)  # fmt: skip
+def test_an_error_falls_where_the_finest_step_is_the_best_beyond_scatter(errors, falls):
+    assert is_falling(errors) is falls
+
+
+def test_order_and_least_error_of_every_sweep_are_found_and_written_into_its_points():
+    completed = judged(Bench(_document(), [*SECOND, *FOURTH, setting_row("tuned", 1e-4, 1e-2)]))
+    orders = {run.setting: run.orders.get("Mkr") for run in completed.points}
+    assert orders == {"second": pytest.approx(2.0), "fourth": pytest.approx(4.0), "tuned": None}
+    (second, _) = sweeps(completed.table)
+    assert (least(second).step, has_floor(second)) == (SECOND[-1].step, False)
+    assert [run.fronts for run in completed.points[:4]] == [("Mkr",), ("Mkr",), ("Mkr",), ("Mkr",)]
+
+
+def test_the_cheapest_point_that_holds_an_error_is_chosen():
+    for wanted, choice in zip(WANTED, choices(bench_of(*SECOND, *FOURTH).table), strict=True):
+        held = [one for one in (*SECOND, *FOURTH) if one.errors[0].error_max <= wanted]
+        expected = min(held, key=lambda one: one.total_seconds, default=None)
+        assert (choice and choice.key) == (expected and expected.key)
+
+
+def test_a_setting_is_compared_with_the_price_of_its_error():
+    # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
+    tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
+    found, other = standings(bench_of(*SECOND, *FOURTH, tuned, best).table)
+    assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
+    assert found.ratio == pytest.approx(2.0)
+    assert other.rival_seconds == pytest.approx(8 * 4e-3)
+    assert other.rival.setting == "fourth"
+    (beyond,) = standings(bench_of(*SECOND, setting_row("best", 1e-12, 1.0)).table)
+    assert (beyond.ratio, beyond.rival) == (None, None)
+
+
+def _document():
+    noise = {"work": "w", "samples": [1e-3, 1.2e-3]}
+    extent = {"budget": 1.0, "repeats": 5, "patience": 0.6}
+    told = {"command": "bench", "conditions": "", "environment": {}, "first_use": [], "mechanisms": [], "methods": []}
+    own = {
+        "noise": noise,
+        "extent": extent,
+        "quantities": ["Mkr"],
+    }
+    return {**told, **own}
+
+
+def test_what_is_saved_is_what_is_loaded(tmp_path):
+    records = [row(), setting_row("best", None, None, outcome="crashed", repeats=(), detail="died by signal 6")]
+    save(tmp_path, Bench(_document(), points(records)))
+    found = load(tmp_path)
+    assert found.points == tuple(records)
+    assert found.noise.samples == (1e-3, 1.2e-3)
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (("noise", "samples", 0), "noise.samples.0"),
+    ],
+)
+def test_a_document_of_another_form_is_refused_with_the_place(tmp_path, place, words):
+    told = {**_document(), "records": [point.data for point in points([row()])]}
+    part = told
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = {"x": 1}
+    save_study(tmp_path, KIND, told, (("0", one, {}) for one in told.pop("records")))
+    with pytest.raises(LinkproofError, match=rf"{re.escape(words)}.*run bench with --out again"):
+        load(tmp_path)
