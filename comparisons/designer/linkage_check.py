@@ -27,8 +27,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import ClosedGroup, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
-from comparisons.datasheet.figures import NEAR, REPRODUCED, check_published, compare_published
-from comparisons.datasheet.open_ends import INSET, RANGE_SAMPLES, good_stretches, inset_ends
+from comparisons.designer.figures import NEAR, REPRODUCED, check_published, compare_published
+from comparisons.designer.open_ends import INSET, RANGE_SAMPLES, good_stretches, inset_ends
 
 Load = PointForce | LinkTorque | Spring
 LOADS: Final = ("forces", "torques", "springs")
