@@ -1,1 +1,1 @@
-"""Making runs: worker processes with bounds, the journal of what is finished, files."""
+"""Making runs: worker processes with bounds, here or on a cluster, the store of what is finished, files."""

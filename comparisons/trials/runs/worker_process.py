@@ -243,7 +243,8 @@ def _prepare(output: str) -> None:
     The file of its output is there once the worker is.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # SIGINT is ignored already
-    faulthandler.disable()  # a forked one writes to where its parent's did
+    if not os.environ.get(SHOW_OUTPUT):
+        faulthandler.disable()  # a forked one writes to where its parent's did
     # Temporary files are in the folder of the command's own, which goes with the command.
     tempfile.tempdir = os.environ["TMPDIR"] = util.get_temp_dir()
     if hasattr(os, "setpgid"):
