@@ -16,6 +16,7 @@ from analytic.description.crank_motion import RPM, CrankMotion
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.description.loading import WrittenNumbers, with_variant_written, written_numbers
+from analytic.description.units import Kind
 from analytic.description.walk import Keys, Number
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
@@ -111,7 +112,6 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
 # The interactive part of a page, or a sentence with the reason for its absence.
 
 ROUNDING: Final = 1e-12  # relative: what the file's units leave of a number
-UNITS: Final[dict[str, str]] = {"acceleration": "m/s²"}
 
 
 def model_of(sheet: Sheet) -> Model | str:
@@ -135,6 +135,7 @@ def _numbers(model: Model) -> dict[str, Any]:
     chosen = {name: number for name, number in every.items() if number.kind != "direction"}
     file = written_numbers(linkage.text, linkage.name, linkage.variant)
     files = templates(linkage, chosen)
+    length = file.unit(Kind.LENGTH)
     roles = dict.fromkeys(model.numbers, "given") | {
         name: "sketch" if name.startswith("sketch.") else "table"
         for name, number in chosen.items()
@@ -159,7 +160,7 @@ def _numbers(model: Model) -> dict[str, Any]:
         "name": linkage.name,
         "numbers": rows,
         "files": [{"parts": template.parts, "literals": template.literals} for template in files],
-        "length": {"unit": file.units["length"], "size": file.scale["length"]},
+        "length": {"unit": length.name, "size": length.size},
         "sketch": linkage.sketch_angle,
     }
 
@@ -170,19 +171,19 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
     ``literals`` are its places in the file, as written: it is ``offered`` for change where the first is its value.
     """
     kind, *rest = file.places[name]
-    size, unit = file.scale.get(number.kind, 1.0), UNITS.get(number.kind) or str(file.units.get(number.kind, ""))
+    unit = file.unit(number.kind)
     literal = literals[0] if literals else "nan"
-    is_same = abs(float(literal) * size - number.value) <= ROUNDING * abs(number.value)
+    is_same = abs(float(literal) * unit.size - number.value) <= ROUNDING * abs(number.value)
     axes: dict[str | int, str] = {0: "x", 1: "y"}
     words = (axes.get(key, key) for key in rest[1:] if key not in ("points", "slides"))
     return {
         "name": name,
         "group": str(rest[0]) if kind == "links" else GROUND if kind == GROUND else "motion and loads",
         "label": " ".join(map(str, words)) if kind == "links" else name.removeprefix("ground.").replace(".", " "),
-        "value": float(literal) if is_same else number.value / size,
+        "value": float(literal) if is_same else number.value / unit.size,
         "si": number.value,
-        "unit": unit.replace("*", " ").replace("^2", "²"),
-        "size": size,
+        "unit": unit.on_page,
+        "size": unit.size,
         "offered": is_same,
     }
 

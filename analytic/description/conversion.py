@@ -15,7 +15,6 @@ from analytic.description import schema as doc
 from analytic.description.crank_motion import (
     LAWS,
     REGIMES,
-    RPM,
     CrankMotion,
     Move,
     check_times,
@@ -40,7 +39,8 @@ from analytic.description.linkage import (
     ThreadPath,
     Vector,
 )
-from analytic.description.lookup import Reader, interpolated_law, law_over_angle, reader_of
+from analytic.description.lookup import Reader, interpolated_law, law_over_angle, position, reader_of
+from analytic.description.units import Kind
 from analytic.errors import LinkproofError, UnknownNameError, listed
 
 # The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units.
@@ -59,7 +59,7 @@ def _force(reader: Reader, table: doc.ForceTable, number: int) -> PointForce:
     where = f"forces.{number}"
     rows = table.force if isinstance(table.force, list) else [table.force]
     link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, interpolated_law(reader, table, rows, "force", where), number)
+    return PointForce(table.point, link, interpolated_law(reader, table, rows, where), number)
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
@@ -72,7 +72,7 @@ def _torque(reader: Reader, table: doc.TorqueTable, number: int) -> LinkTorque:
     """A torque on a link in SI units."""
     where = f"torques.{number}"
     values = table.torque if isinstance(table.torque, list) else [table.torque]
-    law = interpolated_law(reader, table, [(value,) for value in values], "torque", where)
+    law = interpolated_law(reader, table, [(value,) for value in values], where)
     return LinkTorque(reader.body(table.link, where), law, number)
 
 
@@ -109,11 +109,8 @@ def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
             f"{where}: expected ends on two different bodies, got both on '{first}', where nothing stretches; attach "
             "the other end elsewhere"
         )
-    stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
-    length = reader.number(table.length, "length", f"{where}.length")
-    damping = reader.number(table.damping, "damping", f"{where}.damping")
     given = "length" in table.model_fields_set
-    return Spring(table.between, (first, second), stiffness, length, damping, given, number)
+    return Spring(table.between, (first, second), table.stiffness, table.length, table.damping, given, number)
 
 
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
@@ -128,8 +125,7 @@ def _damper(reader: Reader, table: doc.DamperTable, number: int) -> RotaryDamper
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
-    coefficient = reader.number(table.coefficient, "turn_damping", f"{where}.coefficient")
-    return RotaryDamper((first, second), coefficient, number)
+    return RotaryDamper((first, second), table.coefficient, number)
 
 
 # The regimes of a linkage file: a released crank, or a motion that its crank follows, in SI units.
@@ -198,39 +194,28 @@ def _required(reader: Reader, value: float | None, where: str, meaning: str) -> 
     return value
 
 
-def _coordinate_unit(reader: Reader) -> float:
-    """A unit of the file's crank angle in rad, or of a linear drive's travel in m."""
-    return reader.scale[reader.coordinate]
-
-
-def _speed_unit(reader: Reader) -> float:
-    """A unit of the file's speed: rpm of a crank, the file's length a second of a linear drive."""
-    return reader.scale["length"] if reader.is_linear else RPM
-
-
 def _phi_text(reader: Reader, place: float) -> str:
     """A value of φ, rad or m, for a reader, in the file's unit."""
     if reader.is_linear:
-        return f"{place / _coordinate_unit(reader):.10g} {reader.document.units.length}"
+        unit = reader.unit(Kind.COORDINATE)
+        return f"{place / unit.size:.10g} {unit.name}"
     return f"{math.degrees(place):.10g}°"
 
 
 def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
     """The motion's largest speed for a reader."""
-    unit = f"{reader.document.units.length}/s" if reader.is_linear else "rpm"
-    return f"at most {motion.peak_speed / _speed_unit(reader):.6g} {unit}"
+    unit = reader.unit(Kind.SPEED)
+    return f"at most {motion.peak_speed / unit.size:.6g} {unit.name}"
 
 
 def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
     """The motion of a regime with ``from`` and ``to``, and its conditions in words."""
-    scale = _coordinate_unit(reader)
-    start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins") * scale
-    end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends") * scale
+    start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins")
+    end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends")
     law, dwell, back = table.law or USUAL_LAW, table.dwell or 0.0, bool(table.back)
     if isinstance(table.time, list):
         raise reader.fail(f"{where}.time: expected the time of one way in s, got a list; give one number")
-    speed = None if table.speed is None else table.speed * _speed_unit(reader)
-    motion = swing(law, start, end, speed=speed, time=table.time, dwell=dwell, back=back, regime=name)
+    motion = swing(law, start, end, speed=table.speed, time=table.time, dwell=dwell, back=back, regime=name)
     pause = f", {dwell:g} s there" if dwell else ""
     ways = f"from {_phi_text(reader, start)} to {_phi_text(reader, end)}{pause}{' and back' if back else ''}"
     return motion, f"{law} {ways}, {_peak_speed_text(reader, motion)}"
@@ -238,7 +223,7 @@ def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
 
 def _segments_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
     """The motion of a regime with ``segments``, and its conditions in words."""
-    begin = (table.start_angle or 0.0) * _coordinate_unit(reader)
+    begin = table.start_angle or 0.0
     moves: list[Move] = []
     angle = begin
     for number, segment in enumerate(table.segments or ()):
@@ -262,9 +247,8 @@ def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -
             raise reader.fail(f"{place}: expected a dwell alone, got {listed(beside)} beside it; leave that out")
         return Move(segment.dwell)
     assert segment.to is not None
-    law, end = segment.law or USUAL_LAW, segment.to * _coordinate_unit(reader)
-    speed = None if segment.speed is None else segment.speed * _speed_unit(reader)
-    return Move(swing(law, angle, end, speed=speed, time=segment.time).duration, end, law)
+    law = segment.law or USUAL_LAW
+    return Move(swing(law, angle, segment.to, speed=segment.speed, time=segment.time).duration, segment.to, law)
 
 
 def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
@@ -272,7 +256,7 @@ def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
     times = table.time if isinstance(table.time, list) else None
     if times is None:
         raise reader.fail(f"{where}.time: expected a list of times in s beside the angles, got none; add time = [...]")
-    angles = [angle * _coordinate_unit(reader) for angle in table.angle or ()]
+    angles = table.angle or []
     with _errors_at(reader, f"{where}.time"):
         check_times(np.array(times or [0.0]))
     with _errors_at(reader, f"{where}.angle"):
@@ -284,15 +268,10 @@ def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
 
 def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> ReleasedRegime:
     """The regime of a released crank in SI units."""
-    start = reader.number(
-        _required(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit"),
-        reader.coordinate,
-        f"{where}.start_angle",
-    )
+    start = _required(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit")
     duration = _required(reader, table.duration, f"{where}.duration", "a positive finite time in s")
-    speed = (table.start_speed or 0.0) * (_coordinate_unit(reader) if reader.is_linear else 1.0)
     torque, over_angle, over_time = _regime_torque(reader, table, where)
-    return ReleasedRegime(name, torque, start, speed, duration, over_angle, over_time)
+    return ReleasedRegime(name, torque, start, table.start_speed or 0.0, duration, over_angle, over_time)
 
 
 def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, Law | None, TimeLaw | None]:
@@ -301,7 +280,7 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
         if table.angle is not None or table.time is not None:
             key = "angle" if table.angle is not None else "time"
             raise reader.fail(f"{where}.{key}: expected a list of torques beside it, got none; add torque = [...]")
-        return reader.number(table.torque or 0.0, reader.drive, f"{where}.torque"), None, None
+        return table.torque or 0.0, None, None
     if (table.angle is None) == (table.time is None):
         raise reader.fail(
             f"{where}.torque: expected a list of torques over angle = [...] or over time = [...], got both or none; "
@@ -313,9 +292,8 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
                 f"{where}.angle: expected a force over time of a linear drive, which has no angle, got one over the "
                 "angle; give time = [...]"
             )
-        return 0.0, law_over_angle(reader, table.torque, table.angle, "torque", where), None
-    values = [reader.number(value, reader.drive, f"{where}.torque") for value in table.torque]
-    return 0.0, None, _time_law(reader, values, table.time, where)
+        return 0.0, law_over_angle(reader, table.torque, table.angle, where), None
+    return 0.0, None, _time_law(reader, table.torque, table.time, where)
 
 
 def _time_law(reader: Reader, values: list[float], times: float | list[float] | None, where: str) -> TimeLaw:
@@ -345,6 +323,7 @@ COINCIDENT = 1e-12
 def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
     """Build the Linkage of a document; raises DescriptionError for an impossible or contradictory description."""
     reader = reader_of(document, source)
+    document = reader.document
     _check_driver(reader)
     if GROUND in document.links:
         raise reader.fail(
@@ -359,14 +338,14 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         variants=variants,
         crank=document.crank,
         cylinder=_cylinder(reader),
-        ground={key: reader.vector(document.ground[key], f"ground.{key}") for key in sorted(document.ground)},
+        ground={key: position(document.ground[key]) for key in sorted(document.ground)},
         links=links,
         pins=_pins(reader),
         sliders=_sliders(reader),
         slots=_slots(reader),
         sketch=_sketch(reader),
-        sketch_angle=document.sketch.angle * reader.scale[reader.coordinate],
-        gravity=_gravity(reader),
+        sketch_angle=document.sketch.angle,
+        gravity=document.gravity,
         forces=forces(reader),
         torques=torques(reader),
         springs=springs(reader),
@@ -376,7 +355,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         regimes=tuple(regime_of(reader, name) for name in sorted(document.regimes)),
         published=tuple(document.published),
         notes=tuple(document.notes),
-        units=document.units.model_dump(),
+        units=reader.units,
         text=source.text,
     )
     _check_lengths(reader, linkage)
@@ -392,13 +371,9 @@ def _thread(reader: Reader) -> ThreadPath | None:
     reference = table.reference
     if isinstance(reference, doc.EyeReference):
         _check_eye(reader, reference.eye, "thread.reference")
-    else:
-        reference *= reader.scale[reader.coordinate]
-    required = tuple(
-        (phi * reader.scale[reader.coordinate], reader.number(feed, "length", f"thread.required.{number}"))
-        for number, (phi, feed) in enumerate(table.required)
-    )
-    return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference, required)
+    angle, length = (reader.unit(kind).size for kind in (Kind.COORDINATE, Kind.LENGTH))
+    required = tuple((phi * angle, feed * length) for phi, feed in table.required)
+    return ThreadPath(stops, table.stretch, table.feed, reference, required)
 
 
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
@@ -407,10 +382,9 @@ def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | Thre
         raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
     if stop.eye is not None:
         _check_eye(reader, stop.eye, where)
-        return ThreadEye(stop.eye, reader.number(stop.z, "length", where))
+        return ThreadEye(stop.eye, stop.z)
     assert stop.guide is not None
-    x, y, z = (reader.number(part, "length", where) for part in stop.guide)
-    return ThreadGuide(stop.name, (x, y, z))
+    return ThreadGuide(stop.name, stop.guide)
 
 
 def _check_eye(reader: Reader, eye: str, where: str) -> None:
@@ -423,14 +397,13 @@ def _link(reader: Reader, name: str) -> lk.Link:
     """A moving link in SI units; a massless one that turns has the inertia 0."""
     where = f"links.{name}"
     table = reader.document.links[name]
-    points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
-    mass = reader.weight(table.mass, "mass", f"{where}.mass")
-    inertia = None if table.inertia is None else reader.weight(table.inertia, "inertia", f"{where}.inertia")
+    points = {key: position(place) for key, place in sorted(reader.points(name).items())}
+    inertia = table.inertia
     if inertia is None and _turns(reader, name):
-        if mass:
+        if table.mass:
             raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
         inertia = 0.0
-    return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
+    return lk.Link(name, points, table.mass, position(table.centre), inertia)
 
 
 def _check_driver(reader: Reader) -> None:
@@ -445,7 +418,7 @@ def _check_driver(reader: Reader) -> None:
     if document.cylinder is not None and document.sketch.angle <= 0.0:
         raise reader.fail(
             "sketch.angle: expected the length of the cylinder at which the sketch is drawn, in the file's unit, got "
-            f"{document.sketch.angle:g}; give it"
+            f"{document.sketch.angle / reader.unit(Kind.COORDINATE).size:g}; give it"
         )
 
 
@@ -490,12 +463,6 @@ def _turns(reader: Reader, name: str) -> bool:
     return False
 
 
-def _gravity(reader: Reader) -> Vector:
-    """Gravity in m/s², none where the file gives none."""
-    x, y = (reader.magnitude(part, "gravity", f"{part:g} m/s^2") for part in reader.document.gravity)
-    return (x, y)
-
-
 def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
     """The revolute joints, sorted by the name of their point."""
     return tuple(lk.Pin(point, tuple(names)) for point, names in reader.carriers.items() if len(names) > 1)
@@ -512,7 +479,7 @@ def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
 def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
     """The line of a slider or a slot in its host, m."""
     host = reader.body(table.on, f"{where}.on")
-    return lk.Guide(host, reader.vector(table.through, f"{where}.through"), reader.direction(table.along, where))
+    return lk.Guide(host, position(table.through), reader.direction(table.along, where))
 
 
 def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
@@ -541,7 +508,7 @@ def _sketch(reader: Reader) -> dict[str, Vector]:
         if point not in reader.carriers:
             raise reader.fail(f"sketch.points: {UnknownNameError('point', point, reader.carriers)}")
     points = sorted(reader.document.sketch.points.items())
-    return {key: reader.vector(place, f"sketch.points.{key}") for key, place in points}
+    return {key: position(place) for key, place in points}
 
 
 def _output(reader: Reader) -> lk.Output | None:

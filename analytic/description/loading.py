@@ -390,8 +390,7 @@ class WrittenNumbers:
 
     def __init__(self, raw: dict[str, Any], reader: Reader, linkage: Linkage) -> None:
         self.raw = raw
-        self.units = reader.document.units.model_dump()
-        self.scale = reader.scale
+        self.unit, self.units = reader.unit, reader.units
         numbers = named_numbers(linkage)
         self.places = {name: _place_in_file(number.path, linkage, reader) for name, number in numbers.items()}
         self.kinds = {self.places[name]: number.kind for name, number in numbers.items()}
@@ -415,7 +414,7 @@ class WrittenNumbers:
 
     def _written(self, place: Keys) -> float:
         """The number in the file's unit that gives the SI value."""
-        return in_unit(self.values[place], self.scale.get(self.kinds[place], 1.0))
+        return in_unit(self.values[place], self.unit(self.kinds[place]).size)
 
 
 def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,76 +16,40 @@ from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector, unit
-from analytic.description.units import UNITS, factor
+from analytic.description.units import UNITS, Kind, factor
+from analytic.description.walk import Keys, walk, with_values
+from analytic.description.written import FileUnit, kind_unit
 from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
 LARGEST: Final = 1e60
+COMPONENTS: Final = re.compile(r"(\.\d+)+$")  # rows and components behind the last key
 LEAST_STEP: Final = 1e-6  # rad between the angles of a law: nearer ones are one angle written twice
 
 
 @dataclass(frozen=True)
 class Reader:
-    """A document with its units as SI factors."""
+    """A document with all its numbers in SI; ``is_linear``: whether its driver is pushed along a line.
+
+    The coordinate φ of such a driver is a length and its drive a force.
+    """
 
     document: doc.Document
     source: Source
-    scale: dict[str, float]
+    is_linear: bool
 
     def fail(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
         return self.source.fault(message)
 
-    def number(self, value: float, kind: str, where: str) -> float:
-        """A number of a kind of unit in SI."""
-        return self.magnitude(value * self.scale[kind], where, f"{value:g} {getattr(self.document.units, kind)}")
+    def unit(self, kind: Kind) -> FileUnit:
+        """The file's unit for a kind of number."""
+        return kind_unit(kind.of_driver(is_linear=self.is_linear), self.units)
 
-    def weight(self, value: float, kind: str, where: str) -> float:
-        """A mass or an inertia in SI: zero only where it is written as zero."""
-        si = self.number(value, kind, where)
-        if value and not si:
-            raise self._out_of_range(where, f"{value:g} {getattr(self.document.units, kind)}")
-        return si
-
-    def magnitude(self, si: float, where: str, written: str) -> float:
-        """An SI number, 0 where it is negligibly small; raises DescriptionError where it is too large or too small."""
-        if abs(si) > LARGEST:
-            raise self._out_of_range(where, written)
-        return si if abs(si) >= 1.0 / LARGEST else 0.0
-
-    def _out_of_range(self, where: str, written: str) -> DescriptionError:
-        """The error for a number too large or too small to compute with."""
-        return self.fail(
-            f"{where}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI units, got {written}; "
-            "correct the number or the unit"
-        )
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether the driver is pushed along a line, so that its coordinate φ is a length and its drive a force."""
-        if self.document.cylinder is not None:
-            return True
-        driver = self.document.links.get(self.document.crank)
-        return driver is not None and driver.slides is not None and driver.slides.on == GROUND
-
-    @property
-    def coordinate(self) -> str:
-        """The kind of unit of φ."""
-        return "length" if self.is_linear else "angle"
-
-    @property
-    def drive(self) -> str:
-        """The kind of unit of the drive: a torque, or a force."""
-        return "force" if self.is_linear else "torque"
-
-    def vector(self, place: doc.Place, where: str) -> Vector:
-        """A point in m."""
-        if isinstance(place, doc.Polar):
-            radius = self.number(place.radius, "length", where)
-            angle = place.angle * self.scale["angle"]
-            about = [self.number(part, "length", where) for part in place.about]
-            return (about[0] + radius * math.cos(angle), about[1] + radius * math.sin(angle))
-        return (self.number(place[0], "length", where), self.number(place[1], "length", where))
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The units of the file by kind."""
+        return self.document.units.model_dump()
 
     def direction(self, pair: tuple[float, float], where: str) -> Vector:
         """A unit vector; its given length does not matter."""
@@ -135,25 +100,54 @@ class Reader:
         return name
 
 
+def position(place: doc.Place) -> Vector:
+    """A point by its coordinates."""
+    if not isinstance(place, doc.Polar):
+        return place
+    x, y = place.about
+    return x + place.radius * math.cos(place.angle), y + place.radius * math.sin(place.angle)
+
+
 def reader_of(document: doc.Document, source: Source) -> Reader:
-    """A reader of the document, with its units as SI factors."""
-    scale = {}
+    """A reader of the document; raises DescriptionError for an unknown unit, or a number too large or too small."""
     for kind in UNITS:
         try:
-            scale[kind] = factor(kind, getattr(document.units, kind))
+            factor(kind, getattr(document.units, kind))
         except UnknownNameError as error:
             raise DescriptionError(source.place(f"units.{kind}: {error}")) from error
-    return Reader(document, source, scale)
+    driver = document.links.get(document.crank)
+    slides = driver is not None and driver.slides is not None and driver.slides.on == GROUND
+    reader = Reader(document, source, slides or document.cylinder is not None)
+    return replace(reader, document=with_values(document, _si_values(reader)))
+
+
+def _si_values(reader: Reader) -> dict[Keys, float]:
+    """The numbers of a file that are others in SI, where what is negligibly small is 0, by their keys."""
+    values = {}
+    for path, kind, value in walk(reader.document):
+        unit = reader.unit(kind)
+        si = value * unit.size
+        if abs(si) < 1.0 / LARGEST:
+            si = 0.0
+        if abs(si) > LARGEST or (kind in (Kind.MASS, Kind.INERTIA) and value and not si):
+            keys = ".".join("from" if key == "begin" else str(key) for key in path)
+            raise reader.fail(
+                f"{COMPONENTS.sub('', keys)}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI "
+                f"units, got {value:g} {unit.name}; correct the number or the unit"
+            )
+        if si != value or math.copysign(1.0, value) < 0.0:  # a default, which is 0, stays what the file does not give
+            values[path] = si
+    return values
 
 
 # Laws over φ.
 
 
 def interpolated_law(
-    reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], kind: str, where: str
+    reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], where: str
 ) -> Law:
     """The law of a force or torque, by a spline or by straight lines as the table says."""
-    law = _law(reader, rows, table.angle, kind, where)
+    law = _law(reader, rows, table.angle, where)
     if table.interpolation and law.is_constant:
         raise reader.fail(
             f"{where}.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it "
@@ -162,14 +156,14 @@ def interpolated_law(
     return replace(law, linear=table.interpolation == "linear")
 
 
-def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
-    """The law of one component through values at angles, both in the file's units."""
-    return _law(reader, [(value,) for value in values], angles, kind, where)
+def law_over_angle(reader: Reader, values: list[float], angles: list[float], where: str) -> Law:
+    """The law of one component through values at angles."""
+    return _law(reader, [(value,) for value in values], angles, where)
 
 
-def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, kind: str, where: str) -> Law:
+def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, where: str) -> Law:
     """The law through rows of components; one row without angles is a constant."""
-    table = np.array([[reader.number(value, kind, f"{where}.{kind}") for value in row] for row in rows], dtype=float)
+    table = np.array(rows, dtype=float)
     if angles is None:
         if len(table) != 1:
             raise reader.fail(
@@ -177,7 +171,8 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
                 "and no angles; add angle"
             )
         return Law(table[0])
-    phi = np.asarray(angles, dtype=float) * reader.scale[reader.coordinate]
+    phi, angle_unit = np.asarray(angles, dtype=float), reader.unit(Kind.COORDINATE)
+    written = phi / angle_unit.size
     periodic = not reader.is_linear
     if len(table) != len(phi) or len(phi) < 3:
         raise reader.fail(
@@ -187,12 +182,12 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
     if np.any(np.diff(phi) < LEAST_STEP) or (periodic and phi[-1] - phi[0] >= FULL_TURN):
         if not periodic:
             raise reader.fail(
-                f"{where}.angle: expected increasing travels of the driver, got steps of {min(np.diff(angles)):g} "
-                f"{reader.document.units.length} and more; sort them"
+                f"{where}.angle: expected increasing travels of the driver, got steps of {min(np.diff(written)):g} "
+                f"{angle_unit.name} and more; sort them"
             )
         raise reader.fail(
             f"{where}.angle: expected increasing angles that span less than one turn, since the law repeats with the "
-            f"turn, got {angles[0]:g} to {angles[-1]:g} in steps of "
-            f"{min(np.diff(angles)):g} and more; sort them, and leave out a last one that repeats the first"
+            f"turn, got {written[0]:g} to {written[-1]:g} in steps of "
+            f"{min(np.diff(written)):g} and more; sort them, and leave out a last one that repeats the first"
         )
     return Law(table, phi, periodic)

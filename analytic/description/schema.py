@@ -6,6 +6,8 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, FailFast, Field
 
+from analytic.description.units import Kind
+
 # Strict: a quoted number or a true is a slip of the pen, not a number.
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
@@ -24,12 +26,15 @@ class TomlTable(BaseModel):
 class Polar(TomlTable):
     """A point by its distance and direction from ``about``, the frame's origin if that is not given."""
 
-    radius: Positive
-    angle: Finite
-    about: Pair = (0.0, 0.0)
+    radius: Annotated[Positive, Kind.LENGTH]
+    angle: Annotated[Finite, Kind.ANGLE]
+    about: Annotated[Pair, Kind.LENGTH] = (0.0, 0.0)
 
 
-Place = Pair | Polar
+Place = Annotated[Pair, Kind.LENGTH] | Polar
+Coordinate = Annotated[Finite, Kind.COORDINATE]
+Drive = Annotated[Finite, Kind.DRIVE]
+Speed = Annotated[Positive, Kind.SPEED]
 
 
 class UnitsTable(TomlTable):
@@ -59,9 +64,9 @@ class LinkTable(TomlTable):
     """A moving link."""
 
     points: dict[str, Place] = Field(default_factory=dict)
-    mass: NotNegative = 0.0
+    mass: Annotated[NotNegative, Kind.MASS] = 0.0
     centre: Place = (0.0, 0.0)
-    inertia: NotNegative | None = None
+    inertia: Annotated[NotNegative, Kind.INERTIA] | None = None
     slides: SlidesTable | None = None
 
 
@@ -79,8 +84,8 @@ class ForceTable(TomlTable):
 
     point: str
     link: str | None = None
-    force: Pair | list[Pair]
-    angle: list[Finite] | None = None
+    force: Annotated[Pair | list[Pair], Kind.FORCE]
+    angle: list[Coordinate] | None = None
     interpolation: Literal["spline", "linear"] | None = None
 
 
@@ -88,8 +93,8 @@ class TorqueTable(TomlTable):
     """A torque on a link: a number, or a list of numbers over ``angle``, joined by a spline or by straight lines."""
 
     link: str
-    torque: Finite | list[Finite]
-    angle: list[Finite] | None = None
+    torque: Annotated[Finite | list[Finite], Kind.TORQUE]
+    angle: list[Coordinate] | None = None
     interpolation: Literal["spline", "linear"] | None = None
 
 
@@ -98,16 +103,16 @@ class SpringTable(TomlTable):
 
     between: tuple[str, str]
     links: tuple[str, str] | None = None
-    stiffness: NotNegative = 0.0
-    length: NotNegative = 0.0
-    damping: NotNegative = 0.0
+    stiffness: Annotated[NotNegative, Kind.STIFFNESS] = 0.0
+    length: Annotated[NotNegative, Kind.LENGTH] = 0.0
+    damping: Annotated[NotNegative, Kind.DAMPING] = 0.0
 
 
 class DamperTable(TomlTable):
     """A viscous damper between two bodies that turn against each other."""
 
     between: tuple[str, str]
-    coefficient: NotNegative
+    coefficient: Annotated[NotNegative, Kind.TURN_DAMPING]
 
 
 class CylinderTable(TomlTable):
@@ -127,16 +132,16 @@ class OutputTable(TomlTable):
 class SketchTable(TomlTable):
     """Rough positions of points at one crank angle."""
 
-    angle: Finite = 0.0
-    points: dict[str, Pair] = Field(default_factory=dict)
+    angle: Coordinate = 0.0
+    points: Annotated[dict[str, Pair], Kind.LENGTH] = Field(default_factory=dict)
 
 
 class SegmentTable(TomlTable):
     """A part of a crank's motion: ``to`` an angle by a ``law`` in a ``time`` or at a ``speed``, or a ``dwell``."""
 
-    to: Finite | None = None
+    to: Coordinate | None = None
     time: Positive | None = None
-    speed: Positive | None = None
+    speed: Speed | None = None
     law: str | None = None
     dwell: Positive | None = None
 
@@ -149,28 +154,28 @@ class RegimeTable(TomlTable):
     the other, or a table of ``angle`` over ``time``. Which keys belong together is checked on conversion.
     """
 
-    torque: Finite | list[Finite] | None = None
-    start_angle: Finite | None = None
-    start_speed: Finite | None = None
+    torque: Drive | list[Drive] | None = None
+    start_angle: Coordinate | None = None
+    start_speed: Annotated[Finite, Kind.COORDINATE_SPEED] | None = None
     duration: Positive | None = None
-    begin: Finite | None = Field(default=None, alias="from")
-    to: Finite | None = None
-    speed: Positive | None = None
+    begin: Coordinate | None = Field(default=None, alias="from")
+    to: Coordinate | None = None
+    speed: Speed | None = None
     time: Positive | list[Finite] | None = None
     law: str | None = None
     dwell: NotNegative | None = None
     back: Annotated[bool, Field(strict=True)] | None = None
     segments: list[SegmentTable] | None = None
-    angle: list[Finite] | None = None
+    angle: list[Coordinate] | None = None
 
 
 class StopTable(TomlTable):
     """A stop of the thread: a fixed ``guide`` [x, y, z] with a name, or an ``eye``, a named point, at height ``z``."""
 
-    guide: tuple[Finite, Finite, Finite] | None = None
+    guide: Annotated[tuple[Finite, Finite, Finite], Kind.LENGTH] | None = None
     name: str = ""
     eye: str | None = None
-    z: Finite = 0.0
+    z: Annotated[Finite, Kind.LENGTH] = 0.0
 
 
 class EyeReference(TomlTable):
@@ -184,9 +189,9 @@ class ThreadTable(TomlTable):
     """The thread's path, its stretch, the sign and zero of its feed, and the feed that a stitch requires."""
 
     stops: list[StopTable] = Field(min_length=2)
-    stretch: NotNegative = 0.0
+    stretch: Annotated[NotNegative, Kind.LENGTH] = 0.0
     feed: Literal["shortening", "lengthening"] = "shortening"
-    reference: Finite | EyeReference = 0.0
+    reference: Coordinate | EyeReference = 0.0
     required: list[Pair] = Field(default_factory=list)
 
 
@@ -220,7 +225,7 @@ class Document(TomlTable):
     units: UnitsTable
     crank: str = ""
     cylinder: CylinderTable | None = None
-    gravity: Pair = (0.0, 0.0)
+    gravity: Annotated[Pair, Kind.ACCELERATION] = (0.0, 0.0)
     variant: str = "base"
     ground: dict[str, Place]
     links: dict[str, LinkTable]

@@ -16,7 +16,7 @@ class Kind(StrEnum):
 
     A field of a dataclass has its kind in its annotation, ``mass: Annotated[float, Kind.MASS]``: a vector's or a
     law's is that of all its numbers. Of the driver, ``COORDINATE``, ``COORDINATE_SPEED`` and ``DRIVE`` are kinds
-    until it is known whether it turns: see ``of_driver``.
+    until it is known whether it turns: see ``of_driver``. ``SPEED`` is the driver's as people give it, in rpm.
     """
 
     si: str
@@ -43,6 +43,7 @@ class Kind(StrEnum):
     ACCELERATION = "acceleration", "m/s²", 1, 0, -2
     ANGULAR_VELOCITY = "angular velocity", "rad/s", 0, 0, -1
     ANGULAR_ACCELERATION = "angular acceleration", "rad/s²", 0, 0, -2
+    SPEED = "speed", "rad/s", 0, 0, -1
     COORDINATE = "coordinate", "", 0, 0, 0
     COORDINATE_SPEED = "coordinate speed", "", 0, 0, -1
     DRIVE = "drive", "", 0, 0, 0
@@ -64,6 +65,7 @@ class Kind(StrEnum):
 
 
 OF_DRIVERS: Final[Mapping[Kind, tuple[Kind, Kind]]] = {
+    Kind.SPEED: (Kind.SPEED, Kind.VELOCITY),
     Kind.COORDINATE: (Kind.ANGLE, Kind.LENGTH),
     Kind.COORDINATE_SPEED: (Kind.ANGULAR_VELOCITY, Kind.VELOCITY),
     Kind.DRIVE: (Kind.TORQUE, Kind.FORCE),

@@ -1,19 +1,21 @@
-"""The numbers of a description, or of an engine's scene: those of the fields whose annotations say their kind."""
+"""The numbers of a linkage, its file or an engine's scene: those of the fields whose annotations say their kind."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass, replace
 from functools import cache
-from typing import Any, Final, NamedTuple, get_args, get_type_hints
+from typing import Any, Final, NamedTuple, TypeVar, get_args, get_type_hints
 
 import numpy as np
+from pydantic import BaseModel
 
 from analytic.description.law import Law, LawOfNumbers
 from analytic.description.linkage import unit
 from analytic.description.units import Kind
 
 Keys = tuple[str | int, ...]  # fields, keys and indices that lead to a number; of a law row and component
+T = TypeVar("T")
 ANGLES: Final = "angles"  # of a law, in a path
 
 
@@ -27,8 +29,8 @@ class Number(NamedTuple):
 
 def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Number]:  # noqa: ANN401 - any part
     """Every number of a part, in the order of its fields; ``kind`` is that of the part's own field, if that has one."""
-    if isinstance(part, tuple | Mapping):
-        for key, inner in enumerate(part) if isinstance(part, tuple) else part.items():
+    if isinstance(part, tuple | list | Mapping):
+        for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
             if isinstance(inner, float) and kind is not None:
                 yield Number((*path, key), kind, inner)
             else:
@@ -39,7 +41,7 @@ def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Numbe
     elif fields := number_fields(part.__class__):
         for name, own in fields.items():
             yield from walk(getattr(part, name), own, (*path, name))
-    elif part is not None and kind is not None:
+    elif kind is not None and not isinstance(part, BaseModel | None):
         yield Number(path, kind, part)
 
 
@@ -53,12 +55,13 @@ def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None)
     for (key, *rest), value in values.items():
         inner.setdefault(key, {})[tuple(rest)] = value
     if fields := number_fields(part.__class__):
-        return replace(part, **{key: with_values(getattr(part, key), inner[key], fields[key]) for key in inner})
+        new = {key: with_values(getattr(part, key), inner[key], fields[key]) for key in inner}
+        return part.model_copy(update=new) if isinstance(part, BaseModel) else replace(part, **new)
     if isinstance(part, Mapping):
         return {key: with_values(old, inner[key], kind) if key in inner else old for key, old in part.items()}
-    new = tuple(with_values(old, inner[key], kind) if key in inner else old for key, old in enumerate(part))
-    same = all(isinstance(value, float) and value == old for value, old in zip(new, part, strict=True))
-    return unit(new) if kind is Kind.DIRECTION and not same else new
+    row = type(part)(with_values(old, inner[key], kind) if key in inner else old for key, old in enumerate(part))
+    same = all(isinstance(value, float) and value == old for value, old in zip(row, part, strict=True))
+    return unit(row) if kind is Kind.DIRECTION and not same else row
 
 
 def _rows(law: Law) -> dict[str | int, tuple[float, ...]]:
@@ -78,23 +81,22 @@ def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
 
 @cache
 def number_fields(part: type) -> Mapping[str, Kind | None]:
-    """The fields of a dataclass that have numbers, with their kinds; None where the parts in the field say them.
+    """The fields of a dataclass or a table that have numbers, with their kinds; None where parts in them say these.
 
     Any other type has none.
     """
-    fields: dict[str, Kind | None] = {}
-    if not is_dataclass(part):
-        return fields
-    for name, hint in get_type_hints(part, include_extras=True).items():
-        kinds = [extra for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Kind)]
-        if kinds or any(number_fields(inner) for inner in _dataclasses_in(hint)):
-            fields[name] = kinds[0] if kinds else None
-    return fields
+    hints: Mapping[str, Any] = {}
+    if is_dataclass(part):
+        hints = get_type_hints(part, include_extras=True)
+    elif issubclass(part, BaseModel):
+        hints = {name: (field.annotation, *field.metadata) for name, field in part.model_fields.items()}
+    kinds = {name: next(_inside(hint, Kind), None) for name, hint in hints.items()}
+    return {name: kind for name, kind in kinds.items() if kind or any(map(number_fields, _inside(hints[name], type)))}
 
 
-def _dataclasses_in(hint: Any) -> Iterator[type]:  # noqa: ANN401 - a hint may be anything
-    """The dataclasses inside a type such as ``tuple[Spring, ...]`` or ``Output | None``."""
-    if isinstance(hint, type) and is_dataclass(hint):
+def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint may be anything
+    """Every kind, or every type, that stands in a hint such as ``tuple[Spring, ...]`` or ``Position | None``."""
+    if isinstance(hint, what):
         yield hint
-    for argument in get_args(hint):
-        yield from _dataclasses_in(argument)
+    for inner in hint if isinstance(hint, tuple) else (*get_args(hint), *getattr(hint, "__metadata__", ())):
+        yield from _inside(inner, what)

@@ -6,13 +6,15 @@ A number that is rounded to zero has no sign.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
-from analytic.description.units import MEASURED, factor
+from analytic.description.units import MEASURED, UNITS, Kind, factor
 
 
 class FileUnit(NamedTuple):
@@ -34,6 +36,15 @@ def file_unit(si: str, linkage: Linkage) -> FileUnit:
     kind, rate = MEASURED[si]
     name = linkage.units.get(kind, kind.unit)
     return FileUnit(name + rate, factor(kind, name))
+
+
+def kind_unit(kind: Kind, units: Mapping[str, str]) -> FileUnit:
+    """The unit in which a file, which states ``units`` by kind, has a kind of number; SI where it states none."""
+    if kind is Kind.SPEED:
+        return FileUnit("rpm", RPM)
+    base, rate = (Kind.LENGTH, "/s") if kind is Kind.VELOCITY else (kind, "")
+    name = units.get(base, base.unit)
+    return FileUnit(name + rate, factor(base, name) if base in UNITS else 1.0)
 
 
 def in_unit(value: float, size: float) -> float:

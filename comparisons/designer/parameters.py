@@ -6,19 +6,18 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED, design_numbers, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
-from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import DESIGN, parse, rewritten
 from analytic.description.units import UNITS, Kind, factor
-from analytic.description.written import FileUnit, file_unit
+from analytic.description.written import FileUnit, file_unit, kind_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
 from analytic.designs.results import design_figures
@@ -42,7 +41,7 @@ class Parameter:
     """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
 
     name: str
-    kind: Kind | Literal["speed"]
+    kind: Kind
     value: float
     unit: FileUnit
 
@@ -92,13 +91,13 @@ class Parameter:
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number of a linkage that its designs may differ in, by name."""
     numbers = design_numbers(linkage).items()
-    return {name: Parameter(name, kind, value, _unit_of_kind(linkage, kind)) for name, (kind, value) in numbers}
+    return {name: Parameter(name, kind, value, kind_unit(kind, linkage.units)) for name, (kind, value) in numbers}
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
     """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
     if name == SPEED:
-        return Parameter(SPEED, SPEED, abs(speed), speed_unit(linkage))
+        return Parameter(SPEED, Kind.SPEED, abs(speed), speed_unit(linkage))
     known = parameters(linkage)
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
@@ -115,13 +114,7 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
 
 def speed_unit(linkage: Linkage) -> FileUnit:
     """The unit of the driver's speed: rpm, or the file's unit of length per second."""
-    return file_unit("m/s", linkage) if linkage.is_linear else FileUnit("rpm", RPM)
-
-
-def _unit_of_kind(linkage: Linkage, kind: Kind) -> FileUnit:
-    """The file's unit of a kind; SI where the file states none."""
-    name = linkage.units.get(kind, kind.unit)
-    return FileUnit(name, factor(kind, name) if kind in UNITS else 1.0)
+    return kind_unit(Kind.SPEED.of_driver(is_linear=linkage.is_linear), linkage.units)
 
 
 # The linkage file of a design: other numbers, the same assembly modes as the original.

@@ -17,6 +17,7 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Link, Linkage
 from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
+from analytic.description.written import kind_unit
 from analytic.errors import LinkproofError
 from comparisons.filejudge import fault
 from comparisons.filejudge.fault import Fault, Numbers, Simulation
@@ -111,7 +112,7 @@ def _number_fault(linkage: Linkage, name: str, number: Number) -> Fault:
     return Fault(
         name, fault.FaultKind.NUMBER, number_change(name), words, (value,), (size or 1.0,),
         usual=tuple((new,) for new in dict.fromkeys([*about, *usual]) if new != value),
-        unit=factor(kind, linkage.units[kind]) if kind in linkage.units else 1.0,
+        unit=kind_unit(kind, linkage.units).size,
         reshapes=kind == "length" and "centre" not in number.path and number.path[0] not in LOADS,
     )  # fmt: skip
 
