@@ -22,7 +22,7 @@ from typing import Any
 from analytic.description.linkage import GROUND
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.mechanics.states import pose_of, start_motion
+from engines.mechanics.states import pose_of, start_coordinate, start_motion
 from engines.scene import GUIDES, AppliedForce, Channel, Prescribed, Scene, SlotJoint, TurnDamper
 from engines.stepping.stepped_engine import LoopEngine, Recipe
 
@@ -100,5 +100,5 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
             "dampers": [(damper.first, damper.second, damper.coefficient) for damper in scene.dampers],
             "joints": joints,
             "loads": [(load.body, load.anchor, load.force.values) for load in scene.forces],
-            "motion": [(s.start, [s.coefficients[0] - scene.crank_angle, *s.coefficients[1:]]) for s in segments],
+            "motion": [(s.start, [s.coefficients[0] - start_coordinate(scene), *s.coefficients[1:]]) for s in segments],
         }

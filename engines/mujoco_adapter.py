@@ -28,7 +28,7 @@ from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import scene_size
 from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, ends, slots_as_blocks, spanning_tree
-from engines.mechanics.states import body_numbers
+from engines.mechanics.states import body_numbers, start_coordinate
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
 from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
 
@@ -83,7 +83,7 @@ class MujocoModel:
             "harder": recipe.harder,
             "driven": self.driven,
             "is_linear": scene.driver_kind is not DriverKind.CRANK,
-            "start": scene.crank_angle,
+            "start": start_coordinate(scene),
             "torque": drive.torque if isinstance(drive, Free) else 0.0,
             "torque_over_time": timed and (timed.times, timed.torque),
             "gravity": scene.gravity,

@@ -6,7 +6,6 @@ frame against the ground, so local anchors turn with it. Counter-clockwise is po
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import Law, TimeLaw
-from analytic.description.linkage import GROUND, Direction, DriverKind, Linkage, Position, Slider, Slot, Vector, rotate
+from analytic.description.linkage import GROUND, Direction, DriverKind, Linkage, Position, Slider, Slot, Vector
 from analytic.description.units import Kind
 
 
@@ -227,26 +226,6 @@ class Scene:
     def can_turn(self, body: Body) -> bool:
         """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
         return body.inertia is not None and turns(body.name, {each.body: each.host for each in self.sliders})
-
-    @property
-    def crank_angle(self) -> float:
-        """φ at the start: the crank body's angle, unwrapped, rad, or the travel or length of a linear driver, m."""
-        if self.driver_kind is DriverKind.CRANK:
-            return next(body.angle for body in self.bodies if body.name == self.crank)
-        first, second, here, there = self.driver_ends
-        span = [a - b for a, b in zip(self._start_place(first, here), self._start_place(second, there), strict=True)]
-        if self.cylinder is not None:
-            return math.hypot(*span)
-        along = self.driven_slider.along
-        return span[0] * along[0] + span[1] * along[1]
-
-    def _start_place(self, body: str, anchor: Vector) -> Vector:
-        """Where a body's anchor is at the start."""
-        if body == GROUND:
-            return anchor
-        state = next(each for each in self.bodies if each.name == body)
-        turned = rotate(anchor, (math.cos(state.angle), math.sin(state.angle)))
-        return state.position[0] + turned[0], state.position[1] + turned[1]
 
 
 # From a linkage and a start state to the scene an engine is given, with nothing in it that its motion can spare.

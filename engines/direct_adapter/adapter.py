@@ -35,7 +35,7 @@ from engines.direct_adapter.solution import (
 )
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.start_check import data_obstacle
-from engines.mechanics.states import body_numbers, driven, point_velocity, start_motion
+from engines.mechanics.states import body_numbers, driven, point_velocity, start_coordinate, start_motion
 from engines.registry import installed_version
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, check_step, run_stepping
@@ -241,7 +241,7 @@ def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
 def _free_motion(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
     """History of a free driver, and the number of time steps of its integration."""
     scale = equations.driver.scale
-    start, far = equations.scene.crank_angle / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL
+    start, far = start_coordinate(equations.scene) / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL
     low, high = start - far, start + far
     path = reach(equations, low, high)
     if path.turns is None:

@@ -24,7 +24,7 @@ import numpy as np
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.states import start_motion
+from engines.mechanics.states import start_coordinate, start_motion
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping import stepped_engine
 from engines.stepping.stepped_engine import LoopEngine, plain_law
@@ -89,7 +89,7 @@ class ExudynModel:
             "linear": linear,
             "crank": bodies.index(scene.crank) if scene.crank in bodies else None,
             "crank_node": self.nodes.get(scene.crank),
-            "start": scene.crank_angle,
+            "start": start_coordinate(scene),
             "motion": [(segment.start, segment.end, segment.coefficients) for segment in segments],
             "states": states,
             "poses": [(*body.position, body.angle) for body in scene.bodies],

@@ -8,12 +8,10 @@ easier one to hold as a constraint: a slider is cut only where sliders alone for
 from __future__ import annotations
 
 import cmath
-import math
 from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.joints import scene_size
-from engines.mechanics.states import Driver, pose_of, start_motion
 from engines.scene import Body, Cylinder, PinJoint, Scene, SliderJoint, SlotJoint
 
 AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground
@@ -128,16 +126,14 @@ def spanning_tree(scene: Scene) -> SpanningTree:
 def slots_as_blocks(scene: Scene, mass: float) -> Scene:
     """The scene with a block in every slot, for engines that have no constraint between a point and a line.
 
-    A block of the given mass slides in the slot's host and is pinned to its body; the pin has the slot's name.
+    A block of the given mass slides in the slot's host and is pinned to its body; the pin has the slot's name. Its
+    acceleration at the start, which no engine asks for, is not set.
     """
     bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
     pins, sliders = [*scene.pins], [*scene.sliders]
     for slot in scene.slots:
         body, host, name = bodies[slot.body], bodies[slot.host], f"block of {slot.name}"
         place, velocity = point_motion(body, slot.anchor)
-        arm = complex(*slot.anchor) * cmath.rect(1.0, body.angle)
-        bend = (1j * body.angular_acceleration - body.angular_velocity**2) * arm
-        acceleration = complex(*body.acceleration) + bend
         bodies[name] = replace(
             host,
             name=name,
@@ -145,7 +141,6 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
             inertia=mass * scene_size(scene) ** 2,
             position=(place.real, place.imag),
             velocity=(velocity.real, velocity.imag),
-            acceleration=(acceleration.real, acceleration.imag),
         )
         pins.append(PinJoint(slot.name, slot.body, name, slot.anchor, (0.0, 0.0)))
         sliders.append(SliderJoint(name, name, (0.0, 0.0), slot.host, slot.through, slot.along))
@@ -210,21 +205,17 @@ def cylinder_as_links(scene: Scene, mass: float) -> Scene:
     ):  # length and force are the same from either end, and the rod is to be carried by the barrel
         ends = Cylinder(ends.second, ends.first, ends.second_anchor, ends.first_anchor)
         return cylinder_as_links(replace(scene, cylinder=ends), mass)
-    position, rate, _ = start_motion(scene)
-    driver, pose = Driver(scene), pose_of(position)
-    span = driver.span(pose)
-    assert span is not None
-    (first, second), (x, y) = driver.ends, span.along[0].tolist()
-    rates = [
-        (float(rate[0, n, 0] - rate[0, n, 2] * arm[0, 1]), float(rate[0, n, 1] + rate[0, n, 2] * arm[0, 0]))
-        for n, arm in ((first, span.first), (second, span.second))
-    ]
-    places = [pose.place[0, n] + arm[0] for n, arm in ((first, span.first), (second, span.second))]
-    moved = rates[0][0] - rates[1][0], rates[0][1] - rates[1][1]
-    turning, inertia = (x * moved[1] - y * moved[0]) / float(span.length[0]), mass * scene_size(scene) ** 2
+    bodies, still = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}, (0.0, 0.0)
+    (here, speed), (there, other_speed) = (
+        point_motion(bodies[body], anchor)
+        for body, anchor in ((ends.first, ends.first_anchor), (ends.second, ends.second_anchor))
+    )
+    span = here - there
+    angle, turning = cmath.phase(span), ((speed - other_speed) / span).imag
+    inertia = mass * scene_size(scene) ** 2
     rod, barrel = (
-        Body(name, mass, inertia, (float(at[0]), float(at[1])), math.atan2(y, x), speed, turning, (0.0, 0.0), 0.0)
-        for name, at, speed in zip((ROD, BARREL), places, rates, strict=True)
+        Body(name, mass, inertia, (at.real, at.imag), angle, (rate.real, rate.imag), turning, still, 0.0)
+        for name, at, rate in ((ROD, here, speed), (BARREL, there, other_speed))
     )
     return replace(
         scene,

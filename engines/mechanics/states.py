@@ -208,6 +208,11 @@ class Driver:
         return np.asarray(result)
 
 
+def start_coordinate(scene: Scene) -> float:
+    """φ at the start: the crank body's angle, unwrapped, rad, or the travel or length of a linear driver, m."""
+    return float(driven(scene, start_motion(scene)[0])[0][0])
+
+
 def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
     """φ, rad or m, and its time derivatives from the motion of the bodies, SI, each (n, bodies, 3)."""
     driver, pose = Driver(scene), pose_of(position)

@@ -20,7 +20,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import JointEquations
-from engines.mechanics.states import Pose, body_masses, driven, start_motion
+from engines.mechanics.states import Pose, body_masses, driven, start_coordinate, start_motion
 from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout, reach
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import UnsupportedError
@@ -64,7 +64,7 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
         "offsets": [complex(-part.offset[0], -part.offset[1]) for part in layout.parts[: layout.carried]],
         "tangent": layout.tangent(scene),
         "driver_rates": (speed, gain),
-        "start": scene.crank_angle,
+        "start": start_coordinate(scene),
         "crank": numbers.get(scene.crank),
         "constraints": [*pins, *grooves, *gears],
         "joints": {
@@ -169,7 +169,7 @@ def driver_travel(scene: Scene) -> float:
     """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
-    farthest = max((end - scene.crank_angle for end in scene.drive.motion.reach), key=abs)
+    farthest = max((end - start_coordinate(scene) for end in scene.drive.motion.reach), key=abs)
     return max(-FULL_TURN, min(FULL_TURN, farthest)) if scene.driver_kind is DriverKind.CRANK else farthest
 
 

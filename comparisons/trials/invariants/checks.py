@@ -50,7 +50,7 @@ from comparisons.trials.observed_motion import (
 )
 from engines.contract import History, Signal
 from engines.mechanics.joints import applied_loads
-from engines.mechanics.states import start_motion
+from engines.mechanics.states import start_coordinate, start_motion
 from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
@@ -142,7 +142,9 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
     work = float(first[0] * start.load_power(clock)[0])
     if isinstance(scene.drive, Free):
-        work += float(scene.drive.torque_at(0.0)) * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
+        work += float(scene.drive.torque_at(0.0)) * float(
+            motion.crank(Channel.POSITION, first)[0] - start_coordinate(scene)
+        )
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
 
 

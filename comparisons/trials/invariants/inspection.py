@@ -17,7 +17,7 @@ from comparisons.trials.judging.signal_errors import FAINT_FORCE
 from comparisons.trials.observed_motion import POINTS, ObservedMotion, resample_piecewise
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.mechanics.states import driven, start_motion
+from engines.mechanics.states import driven, start_coordinate, start_motion
 from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]
@@ -110,7 +110,10 @@ class Inspection:
 
     def _mode_signs(self, time: Array) -> Array:
         """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
-        angle, start = self.motion.crank(Channel.POSITION, time), self.motion.scene.crank_angle if self.changes else 0.0
+        angle, start = (
+            self.motion.crank(Channel.POSITION, time),
+            start_coordinate(self.motion.scene) if self.changes else 0.0,
+        )
         result = np.ones((len(time), 1 + len(self.groups.blocks)))
         for number, change in self._group_changes:
             turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
