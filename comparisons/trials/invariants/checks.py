@@ -142,9 +142,8 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
     work = float(first[0] * start.load_power(clock)[0])
     if isinstance(scene.drive, Free):
-        work += float(scene.drive.torque_at(0.0)) * float(
-            motion.crank(Channel.POSITION, first)[0] - start_coordinate(scene)
-        )
+        travel = float(motion.crank(Channel.POSITION, first)[0]) - start_coordinate(scene)
+        work += float(scene.drive.torque_at(0.0)) * travel
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
 
 

@@ -110,10 +110,8 @@ class Inspection:
 
     def _mode_signs(self, time: Array) -> Array:
         """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
-        angle, start = (
-            self.motion.crank(Channel.POSITION, time),
-            start_coordinate(self.motion.scene) if self.changes else 0.0,
-        )
+        angle = self.motion.crank(Channel.POSITION, time)
+        start = start_coordinate(self.motion.scene) if self.changes else 0.0
         result = np.ones((len(time), 1 + len(self.groups.blocks)))
         for number, change in self._group_changes:
             turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
