@@ -292,7 +292,7 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
                 f"{where}.angle: expected a force over time of a linear drive, which has no angle, got one over the "
                 "angle; give time = [...]"
             )
-        return 0.0, law_over_angle(reader, table.torque, table.angle, where), None
+        return 0.0, law_over_angle(reader, [(value,) for value in table.torque], table.angle, where), None
     return 0.0, None, _time_law(reader, table.torque, table.time, where)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +22,6 @@ from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
 LARGEST: Final = 1e60
-COMPONENTS: Final = re.compile(r"(\.\d+)+$")  # rows and components behind the last key
 LEAST_STEP: Final = 1e-6  # rad between the angles of a law: nearer ones are one angle written twice
 
 
@@ -130,9 +128,10 @@ def _si_values(reader: Reader) -> dict[Keys, float]:
         if abs(si) < 1.0 / LARGEST:
             si = 0.0
         if abs(si) > LARGEST or (kind in (Kind.MASS, Kind.INERTIA) and value and not si):
-            keys = ".".join("from" if key == "begin" else str(key) for key in path)
+            keys = path[: 1 + max(n for n, key in enumerate(path) if isinstance(key, str))]  # without components
+            keys = (*keys[:2], "from") if keys[::2] == ("regimes", "begin") else keys
             raise reader.fail(
-                f"{COMPONENTS.sub('', keys)}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI "
+                f"{'.'.join(map(str, keys))}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI "
                 f"units, got {value:g} {unit.name}; correct the number or the unit"
             )
         if si != value or math.copysign(1.0, value) < 0.0:  # a default, which is 0, stays what the file does not give
@@ -147,7 +146,7 @@ def interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], where: str
 ) -> Law:
     """The law of a force or torque, by a spline or by straight lines as the table says."""
-    law = _law(reader, rows, table.angle, where)
+    law = law_over_angle(reader, rows, table.angle, where)
     if table.interpolation and law.is_constant:
         raise reader.fail(
             f"{where}.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it "
@@ -156,12 +155,7 @@ def interpolated_law(
     return replace(law, linear=table.interpolation == "linear")
 
 
-def law_over_angle(reader: Reader, values: list[float], angles: list[float], where: str) -> Law:
-    """The law of one component through values at angles."""
-    return _law(reader, [(value,) for value in values], angles, where)
-
-
-def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, where: str) -> Law:
+def law_over_angle(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, where: str) -> Law:
     """The law through rows of components; one row without angles is a constant."""
     table = np.array(rows, dtype=float)
     if angles is None:
