@@ -17,7 +17,9 @@ def after_steps(model: mjx.Model, state: mjx.Data, motion: jax.Array) -> mjx.Dat
 
     def step(state: mjx.Data, row: jax.Array) -> tuple[mjx.Data, None]:
         clock = {name: getattr(state, name).at[-1].set(value) for name, value in zip(SET[:3], row, strict=True)}
-        return mjx.step(model, state.replace(**clock)), None
+        after = mjx.step(model, state.replace(**clock))
+        # In double precision MJX 3.17 makes an integer of tendons longer, which a scan does not take.
+        return jax.tree.map(lambda new, old: new.astype(old.dtype), after, state), None
 
     return jax.lax.scan(step, state, motion)[0]
 
