@@ -18,7 +18,7 @@ QUANTITIES = {"torque": "Mkr", "position": "S", "velocity": "v", "acceleration":
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("sample", ["four-bar", "quick return"])  # a hinge is cut; a slider, and a pin in a slot
+@pytest.mark.parametrize("sample", ["four-bar", "quick return", "damper"])  # a hinge is cut; a slot; a tendon
 def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(name, sample):
     history = history_of(installed(name), scene_of(sample))
     errors = errors_of(history, case(sample).mechanism, case(sample).motion)
