@@ -226,10 +226,14 @@ def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> Stud
 
 def _run_cells(study: Study[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
     """Results of cells, in their order; cells that may take as long run together."""
-    granted = [min(axes()[cell.axis].seconds, QUICK_SECONDS if quick else math.inf) for cell in chosen]
-    tasks = [Task(cell.key, (cell,), cell.key) for cell in chosen]
-    study.expect(tasks)
-    for seconds, alike in sorted(grouped(zip(granted, tasks, strict=True)).items()):
+    by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
+    study.expect(task for tasks in by_seconds.values() for task in tasks)
+    for seconds, alike in sorted(by_seconds.items()):
         for _ in study.make(alike, Bounds(seconds, MEMORY)):
             pass  # the study has the result
     return [study.result(cell.key) for cell in chosen]
+
+
+def _cell_seconds(cell: Cell, *, quick: bool) -> float:
+    """The time limit of a cell, s."""
+    return min(axes()[cell.axis].seconds, QUICK_SECONDS if quick else math.inf)

@@ -177,7 +177,7 @@ CELL = "start/positions/1e-08/direct/tuned"
 @pytest.fixture(autouse=True)
 def _unhurried(monkeypatch):
     """A cell may take minutes unless its time is given."""
-    monkeypatch.setattr(campaign, "_cell_seconds", lambda *_: PATIENCE)
+    monkeypatch.setattr(campaign, "_cell_seconds", lambda *_, **__: PATIENCE)
 
 
 @pytest.mark.parametrize(
