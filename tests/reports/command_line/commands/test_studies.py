@@ -151,7 +151,7 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names >= {STORE, "bench.html", "assets", "figures"}
     assert unfinished_command(tmp_path / "out") == ""
-    assert len(load(tmp_path / "out").records) == len(saved["records"])
+    assert len(load(tmp_path / "out").points) == len(saved["records"])
 
 
 @pytest.mark.parametrize(
