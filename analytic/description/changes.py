@@ -10,24 +10,18 @@ published figures have no such names. The given linkage itself is never altered.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Link, Linkage, Vector
+from analytic.description.linkage import GROUND, NAMED_PARTS, Link, Linkage, Vector
 from analytic.description.units import Kind
-from analytic.description.walk import Keys, Number, number_fields, walk, with_values
+from analytic.description.walk import Number, with_values
 from analytic.errors import UnknownNameError
 
 Change = Callable[[str, Kind, float], float]
-# The parts with numbers that have names, in the order of the names.
-NAMED_PARTS: Final = (
-    "ground", "links", "sliders", "slots", "gravity", "forces", "torques", "springs", "dampers", "output", "sketch",
-)  # fmt: skip
 # What can be left out, and what then stands in its place.
 EMPTY_PARTS: Final[Mapping[str, object]] = {
     "gravity": (0.0, 0.0),
@@ -44,7 +38,7 @@ LOADS: Final = ("forces", "torques", "springs", "dampers")
 
 def changed(linkage: Linkage, change: Change) -> Linkage:
     """The linkage with every number that has a name replaced by ``change(name, kind, number)``."""
-    numbers = named_numbers(linkage).items()
+    numbers = linkage.named_numbers.items()
     new = {number.path: change(name, number.kind, number.value) for name, number in numbers}
     old = {number.path: number.value for _, number in numbers}
     result: Linkage = with_values(linkage, {path: value for path, value in new.items() if value is not old[path]})
@@ -84,53 +78,9 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
     )
 
 
-def _numbers_of(linkage: Linkage, part: str) -> Iterator[Number]:
-    """The numbers of one field of a linkage, with or without names."""
-    return walk(getattr(linkage, part), number_fields(Linkage)[part], (part,))
-
-
 def named_numbers(linkage: Linkage) -> dict[str, Number]:
-    """Every number of a linkage by its name, with its kind and its path; a name already taken is followed by a count.
-
-    Masses come before points, lest a point called ``centre`` take the mass centre's name.
-    """
-    result: dict[str, Number] = {}
-    every = [number for part in NAMED_PARTS for number in _numbers_of(linkage, part)]
-    for number in sorted(every, key=lambda number: number.path[0] != "links" or number.path[2] == "points"):
-        if number.kind is Kind.COORDINATE:
-            continue
-        name = _name(linkage, number.path)
-        counted = (f"{name} #{count}" for count in itertools.count(2))
-        result[name if name not in result else next(free for free in counted if free not in result)] = number
-    return result
-
-
-def _name(linkage: Linkage, path: Keys) -> str:
-    """The name of the number at a path: what the number is of, and which it is."""
-    keys: Sequence[str | int] = path
-    match path:
-        case ("links", link, "points", *rest) | ("links", link, *rest):
-            keys = link, *rest
-        case ("sliders", int(index), _, *rest):
-            keys = linkage.sliders[index].link, *rest
-        case ("slots", int(index), _, *rest):
-            keys = linkage.slots[index].name, *rest
-        case ("forces", int(index), _, row, axis):
-            force = linkage.forces[index]
-            keys = "forces", force.point, *_row(force.force, row), axis
-        case ("torques", int(index), _, row, _):
-            torque = linkage.torques[index]
-            keys = "torques", torque.link, *_row(torque.torque, row)
-        case ("springs", int(index), what):
-            keys = "springs", *linkage.springs[index].points, what
-        case ("dampers", int(index), what):
-            keys = "dampers", *linkage.dampers[index].links, what
-    return ".".join("xy"[key] if isinstance(key, int) else key for key in keys)
-
-
-def _row(law: Law, row: str | int) -> tuple[str, ...]:
-    """The row of a load's table in a name; a constant load has none."""
-    return () if law.is_constant else (str(row),)
+    """Every number of a linkage by its name, with its kind and its path."""
+    return dict(linkage.named_numbers)
 
 
 def numbers(linkage: Linkage) -> dict[str, float]:
@@ -171,7 +121,7 @@ def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: fl
     new = {
         path: value * kind.of_driver(is_linear=linkage.is_linear).size(length, mass, time)
         for part in (*NAMED_PARTS, "sketch_angle")
-        for path, kind, value in _numbers_of(similar, part)
+        for path, kind, value in similar.numbers_of(part)
     }
     result: Linkage = with_values(similar, new)
     return result

@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from typing import Annotated, Final, Literal
 
 import numpy as np
@@ -25,6 +26,7 @@ from analytic.description.crank_motion import CrankMotion, degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
 from analytic.description.units import Kind, factor
+from analytic.description.walk import Keys, Number, number_fields, walk
 
 GROUND: Final = "ground"
 
@@ -37,13 +39,6 @@ Direction = Annotated[Vector, Kind.DIRECTION]  # a unit vector
 def rotate(vector: Vector, turn: Vector) -> Vector:
     """Turn a plane vector by an angle given as (cos, sin)."""
     return (vector[0] * turn[0] - vector[1] * turn[1], vector[0] * turn[1] + vector[1] * turn[0])
-
-
-def unit(vector: Vector) -> Vector:
-    """The unit vector along a non-zero vector."""
-    plain = all(isinstance(part, float | int) for part in vector)
-    length = math.hypot(*vector) if plain else np.hypot(*vector)
-    return (vector[0] / length, vector[1] / length)
 
 
 class DriverKind(StrEnum):
@@ -260,6 +255,12 @@ class ThreadPath:
         return tuple(stop for stop in self.stops if isinstance(stop, ThreadEye))
 
 
+# The parts with numbers that have names, in the order of the names.
+NAMED_PARTS: Final = (
+    "ground", "links", "sliders", "slots", "gravity", "forces", "torques", "springs", "dampers", "output", "sketch",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
@@ -296,6 +297,26 @@ class Linkage:
     text: str = field(default="", repr=False)
     cylinder: CylinderDrive | None = None
     scales_mass: bool = False
+
+    @cached_property
+    def named_numbers(self) -> Mapping[str, Number]:
+        """Every number by its name; a name already taken is followed by a count.
+
+        Masses come before points, lest a point called ``centre`` take the mass centre's name.
+        """
+        result: dict[str, Number] = {}
+        every = [number for part in NAMED_PARTS for number in self.numbers_of(part)]
+        for number in sorted(every, key=lambda number: number.path[0] != "links" or number.path[2] == "points"):
+            if number.kind is Kind.COORDINATE:
+                continue
+            name = _name(self, number.path)
+            counted = (f"{name} #{count}" for count in itertools.count(2))
+            result[name if name not in result else next(free for free in counted if free not in result)] = number
+        return result
+
+    def numbers_of(self, part: str) -> Iterator[Number]:
+        """The numbers of one field, with or without names."""
+        return walk(getattr(self, part), number_fields(Linkage)[part], (part,))
 
     @property
     def driver(self) -> DriverKind:
@@ -373,3 +394,31 @@ class Linkage:
         places = [place for link in self.links.values() for place in (*link.points.values(), link.centre)]
         places += [*self.ground.values(), *(guide.through for guide in guides)]
         return max(abs(coordinate) for place in places for coordinate in place)
+
+
+def _name(linkage: Linkage, path: Keys) -> str:
+    """The name of the number at a path: what the number is of, and which it is."""
+    keys: Sequence[str | int] = path
+    match path:
+        case ("links", link, "points", *rest) | ("links", link, *rest):
+            keys = link, *rest
+        case ("sliders", int(index), _, *rest):
+            keys = linkage.sliders[index].link, *rest
+        case ("slots", int(index), _, *rest):
+            keys = linkage.slots[index].name, *rest
+        case ("forces", int(index), _, row, axis):
+            force = linkage.forces[index]
+            keys = "forces", force.point, *_row(force.force, row), axis
+        case ("torques", int(index), _, row, _):
+            torque = linkage.torques[index]
+            keys = "torques", torque.link, *_row(torque.torque, row)
+        case ("springs", int(index), what):
+            keys = "springs", *linkage.springs[index].points, what
+        case ("dampers", int(index), what):
+            keys = "dampers", *linkage.dampers[index].links, what
+    return ".".join("xy"[key] if isinstance(key, int) else key for key in keys)
+
+
+def _row(law: Law, row: str | int) -> tuple[str, ...]:
+    """The row of a load's table in a name; a constant load has none."""
+    return () if law.is_constant else (str(row),)

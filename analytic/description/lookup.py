@@ -14,9 +14,9 @@ import numpy as np
 from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN, Law
-from analytic.description.linkage import GROUND, Vector, unit
+from analytic.description.linkage import GROUND, Vector
 from analytic.description.units import UNITS, Kind, factor
-from analytic.description.walk import Keys, walk, with_values
+from analytic.description.walk import Keys, unit_vector, walk, with_values
 from analytic.description.written import FileUnit, kind_unit
 from analytic.errors import DescriptionError, UnknownNameError, listed
 
@@ -54,7 +54,7 @@ class Reader:
         if pair == (0.0, 0.0):
             raise self.fail(f"{where}.along: expected a direction [x, y], got [0, 0]; give a vector along the line")
         largest = max(abs(pair[0]), abs(pair[1]))
-        return unit((pair[0] / largest, pair[1] / largest))
+        return unit_vector((pair[0] / largest, pair[1] / largest))
 
     def points(self, link: str) -> dict[str, doc.Place]:
         """Named points of a link; a slider's own point sits at its origin unless it says otherwise."""

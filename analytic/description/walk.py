@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass, replace
 from functools import cache
@@ -11,7 +12,6 @@ import numpy as np
 from pydantic import BaseModel
 
 from analytic.description.law import Law, LawOfNumbers
-from analytic.description.linkage import unit
 from analytic.description.units import Kind
 
 Keys = tuple[str | int, ...]  # fields, keys and indices that lead to a number; of a law row and component
@@ -61,7 +61,7 @@ def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None)
         return {key: with_values(old, inner[key], kind) if key in inner else old for key, old in part.items()}
     row = type(part)(with_values(old, inner[key], kind) if key in inner else old for key, old in enumerate(part))
     same = all(isinstance(value, float) and value == old for value, old in zip(row, part, strict=True))
-    return unit(row) if kind is Kind.DIRECTION and not same else row
+    return unit_vector(row) if kind is Kind.DIRECTION and not same else row
 
 
 def _rows(law: Law) -> dict[str | int, tuple[float, ...]]:
@@ -100,3 +100,10 @@ def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint m
         yield hint
     for inner in hint if isinstance(hint, tuple) else (*get_args(hint), *getattr(hint, "__metadata__", ())):
         yield from _inside(inner, what)
+
+
+def unit_vector(vector: tuple[float, float]) -> tuple[float, float]:
+    """The unit vector along a non-zero vector."""
+    plain = all(isinstance(part, float | int) for part in vector)
+    length = math.hypot(*vector) if plain else np.hypot(*vector)
+    return (vector[0] / length, vector[1] / length)

@@ -30,4 +30,4 @@ def test_a_part_left_out_is_gone_and_no_other(part):
     linkage = load("slotted-takeup") if part == "thread" else SPRUNG
     bare = changes.without(linkage, part)
     assert getattr(bare, part) == changes.EMPTY_PARTS[part]
-    assert {name for name in vars(linkage) if getattr(bare, name) != getattr(linkage, name)} <= {part}
+    assert {name for name in vars(bare) if getattr(bare, name) != getattr(linkage, name)} <= {part}
