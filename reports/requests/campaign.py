@@ -28,9 +28,9 @@ from comparisons.trials.runs.cluster import DaskPool
 from comparisons.trials.runs.files import check_writable
 from comparisons.trials.runs.plugins import engines
 from comparisons.trials.runs.plugins import engines as adapters
-from comparisons.trials.runs.run_engine import GIB
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, Bounds
 from comparisons.trials.runs.study import Task
-from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Bounds, LastingPool, LocalPool, Pool, most_processes
+from comparisons.trials.runs.workers import LastingPool, LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.records import CONCURRENT_RUNS

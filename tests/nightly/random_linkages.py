@@ -18,8 +18,8 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
-from comparisons.trials.runs.run_engine import Lost, run_engine
-from comparisons.trials.runs.workers import Bounds, run_jobs
+from comparisons.trials.runs.run_engine import Bounds, Lost, run_engine
+from comparisons.trials.runs.workers import run_jobs
 from comparisons.trials.stress.verdict import Cell, StressVerdict, judged
 from engines.contract import Setting
 from engines.registry import engine

@@ -20,10 +20,10 @@ from comparisons.trials.judging.quantities import JOINT_FORCE, Deviation, Quanti
 from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict, run_of
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
-from comparisons.trials.runs.run_engine import Failure, Lost, blamed_on, run_engine
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, blamed_on, run_engine
 from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.study import Announce, Study, Task
-from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, run_jobs, usual_processes
+from comparisons.trials.runs.workers import LocalPool, Pool, run_jobs, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 from comparisons.trials.conformance import conduct, mutants
 from comparisons.trials.conformance.mutants import MUTANT
 from comparisons.trials.conformance.trial import Check, CheckResult, EngineTrial, Finding
-from comparisons.trials.runs.run_engine import Failure, Lost
-from comparisons.trials.runs.workers import Bounds, run_jobs
+from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
+from comparisons.trials.runs.workers import run_jobs
 from engines.contract import Engine
 from engines.registry import Unusable
 

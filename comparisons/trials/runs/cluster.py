@@ -12,8 +12,8 @@ from typing import Any, Final, TypeVar
 from uuid import uuid4
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.run_engine import Failure, Lost
-from comparisons.trials.runs.workers import DEFAULT_BOUNDS, Begun, Bounds, LastingPool
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost
+from comparisons.trials.runs.workers import Begun, LastingPool
 
 R = TypeVar("R")
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.run_engine import AdapterError, Failure, Lost, blamed_on
-from comparisons.trials.runs.workers import Bounds, run_jobs
+from comparisons.trials.runs.run_engine import AdapterError, Bounds, Failure, Lost, blamed_on
+from comparisons.trials.runs.workers import run_jobs
 from engines import registry
 from engines.contract import Abilities, Engine, Method, Run, Setting, StudiedEngine
 from engines.scene import Scene

@@ -48,6 +48,20 @@ class Failure(StrEnum):
 
 
 @dataclass(frozen=True)
+class Bounds:
+    """Bounds of one job: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
+
+    Address space counts reserved memory, used or not. It is bounded where the system can (Linux).
+    """
+
+    seconds: float = 600.0
+    memory: int = 4 * GIB
+
+
+DEFAULT_BOUNDS = Bounds()
+
+
+@dataclass(frozen=True)
 class Lost:
     """A job that gave no result; ``reason`` in one sentence."""
 

@@ -7,9 +7,9 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from comparisons.trials.runs.run_engine import Lost
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Lost
 from comparisons.trials.runs.store import Curve, Runs, temporary_runs
-from comparisons.trials.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
+from comparisons.trials.runs.workers import EVERY_CORE, LocalPool, Pool
 
 R = TypeVar("R")
 

@@ -27,8 +27,7 @@ from uuid import uuid4
 from pebble import CONSTS, ProcessPool
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.run_engine import SHOW_OUTPUT, Failure, Lost, lost
-from comparisons.trials.runs.workers import Bounds
+from comparisons.trials.runs.run_engine import SHOW_OUTPUT, Bounds, Failure, Lost, lost
 from engines.registry import silenced
 
 START: Final = "LINKPROOF_WORKER_START"  # how workers are started: forkserver or spawn, as in multiprocessing

@@ -14,7 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from analytic.machine_code import cores
-from comparisons.trials.runs.run_engine import GIB, Failure, Lost, lost
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, lost
 
 if TYPE_CHECKING:
     from comparisons.trials.runs.worker_process import Worker
@@ -23,20 +23,6 @@ R = TypeVar("R")
 Begun = Callable[[int], object]
 
 _PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """Bounds of one job: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
-
-    Address space counts reserved memory, used or not. It is bounded where the system can (Linux).
-    """
-
-    seconds: float = 600.0
-    memory: int = 4 * GIB
-
-
-DEFAULT_BOUNDS = Bounds()
 
 
 def most_processes() -> int:

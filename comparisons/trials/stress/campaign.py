@@ -16,10 +16,10 @@ from typing_extensions import TypedDict
 
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.runs.environment import environment
-from comparisons.trials.runs.run_engine import GIB
+from comparisons.trials.runs.run_engine import GIB, Bounds
 from comparisons.trials.runs.store import Runs, load_study, save_study, store_errors
 from comparisons.trials.runs.study import Announce, Study, Task
-from comparisons.trials.runs.workers import EVERY_CORE, Bounds, Pool
+from comparisons.trials.runs.workers import EVERY_CORE, Pool
 from comparisons.trials.stress.cells import axes, cell_at, lost, run_cell
 from comparisons.trials.stress.verdict import Cell, StressVerdict
 

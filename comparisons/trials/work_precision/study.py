@@ -21,10 +21,10 @@ from comparisons.motion.case import Case
 from comparisons.trials.judging.records import Verdict, run_of
 from comparisons.trials.runs.environment import environment
 from comparisons.trials.runs.plugins import engine
-from comparisons.trials.runs.run_engine import Failure, Lost
+from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
 from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.study import Announce, Study, Task
-from comparisons.trials.runs.workers import ONE_BY_ONE, Bounds, Pool
+from comparisons.trials.runs.workers import ONE_BY_ONE, Pool
 from comparisons.trials.work_precision.fronts import judged, still_improves
 from comparisons.trials.work_precision.measure import WORK, longest_step, measure
 from comparisons.trials.work_precision.table import CALIBRATION, FIRST_USE, METHOD, SETTING, Bench, BenchRun

@@ -21,7 +21,7 @@ from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer import linkage_check
 from comparisons.designer.curves import Curves
-from comparisons.designer.figures import NEGLIGIBLE, case_figures
+from comparisons.designer.figures import case_figures
 from comparisons.designer.linkage_check import check_slips
 from comparisons.designer.open_ends import BINDS
 from comparisons.designer.parameters import named_figures, parameters, speed_unit
@@ -130,6 +130,7 @@ def _dxf(linkage: Linkage) -> str:
     return dxf(linkage, positions_over_range(Mechanism(linkage)))
 
 
+TOUCH: Final = 1e-9  # of the largest of its kind: the least magnitude of what passes zero is known no nearer
 FACTS: Final[Writers] = {".json": to_json}
 DRAWINGS: Final[Writers] = {**picture_writers(_scheme), ".dxf": _dxf}
 
@@ -169,7 +170,7 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
         {
             "name": each.name,
             "units": each.unit.name,
-            "value": 0.0 if abs(value) <= NEGLIGIBLE * sizes[kind] else finite(float(f"{value:.15g}")),
+            "value": 0.0 if abs(value) <= TOUCH * sizes[kind] else finite(float(f"{value:.15g}")),
         }
         for each, value, kind in zip(every, values, kinds, strict=True)
     ]

@@ -17,8 +17,8 @@ from comparisons.trials.campaign import campaign as module
 from comparisons.trials.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.trials.judging import quantities
 from comparisons.trials.judging.records import Verdict
-from comparisons.trials.runs.run_engine import GIB
-from comparisons.trials.runs.workers import Bounds, LocalPool
+from comparisons.trials.runs.run_engine import GIB, Bounds
+from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
 from tests.comparisons.faults import Clock, announce_engines, fail

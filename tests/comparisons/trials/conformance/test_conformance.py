@@ -22,7 +22,7 @@ from comparisons.trials.conformance.misreadings import likeliest_misreading
 from comparisons.trials.conformance.mutants import MUTANT, MUTANTS
 from comparisons.trials.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
 from comparisons.trials.judging.signal_errors import readings
-from comparisons.trials.runs.workers import Bounds
+from comparisons.trials.runs.run_engine import Bounds
 from engines.direct_adapter.adapter import DirectEngine
 from engines.registry import own_names
 from engines.scene import Channel

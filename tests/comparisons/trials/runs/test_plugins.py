@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from comparisons.trials.runs import plugins
-from comparisons.trials.runs.workers import Bounds
+from comparisons.trials.runs.run_engine import Bounds
 from engines.contract import Setting
 from tests.commands import linkproof
 from tests.comparisons.faults import announce

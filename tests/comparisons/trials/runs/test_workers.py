@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from comparisons.trials.runs import worker_process
-from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost
-from comparisons.trials.runs.workers import Bounds, LastingPool, run_jobs
+from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Bounds, Failure, Lost
+from comparisons.trials.runs.workers import LastingPool, run_jobs
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
