@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
+from functools import cached_property
 from importlib import import_module, util
 from pathlib import Path
 from typing import Any
@@ -111,10 +112,11 @@ def _documented(place: Any, within: str, level: int) -> Iterator[str]:  # noqa: 
     """What a module announces, or a class offers, in the order of the alphabet."""
     for name in sorted(getattr(place, "__all__", vars(place))):
         thing = getattr(place, name)
-        shown = inspect.isroutine(thing) or inspect.isclass(thing) or inspect.ismodule(thing)
-        if name.startswith("_") or not (shown or isinstance(thing, property)):
+        is_value = isinstance(thing, property | cached_property)
+        shown = inspect.isroutine(thing) or inspect.isclass(thing) or inspect.ismodule(thing) or is_value
+        if name.startswith("_") or not shown:
             continue
-        called = inspect.isroutine(thing) or is_dataclass(thing)
+        called = not is_value and (inspect.isroutine(thing) or is_dataclass(thing))
         signature = f"```python\n{_signature(name, thing)}\n```\n\n" if called else ""
         text = (inspect.getdoc(thing) or "").replace("``", "`").replace(":class:", "")
         yield f"{'#' * level} `{within}.{name}`\n\n{signature}{text}"

@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from functools import cache
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from analytic import signals
+from analytic.description import walk
 from analytic.description.changes import changed, numbers, with_numbers
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import differences, figure_gradients, is_exact, signal_gradients
@@ -58,7 +60,8 @@ def _nudged(linkage: Linkage, nudges: Mapping[str, mpf]) -> Linkage:
             return value + float(nudges[name] / NUDGE) if name in nudges else value
         return mpf(value) + nudges.get(name, 0)
 
-    return changed(linkage, change, lambda v: (v[0] / mp.hypot(*v), v[1] / mp.hypot(*v)))
+    with patch.object(walk, "unit_vector", lambda v: (v[0] / mp.hypot(*v), v[1] / mp.hypot(*v))):
+        return changed(linkage, change)
 
 
 @cache

@@ -56,7 +56,7 @@ def _stated(motion):
 def is_same(named, planted, clean):
     """Whether two descriptions are the same but for a small part of what was changed."""
     one, other, true = (
-        {name: n for name, n in named_numbers(k).items() if n.place[0] != "sketch"} for k in (named, planted, clean)
+        {name: n for name, n in named_numbers(k).items() if n.path[0] != "sketch"} for k in (named, planted, clean)
     )
     bounds: dict[str, float] = {}
     for name in true.keys() & other.keys():
