@@ -22,6 +22,7 @@ from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
 LARGEST: Final = 1e60
+ROUNDED: Final = 4e-16  # of a cosine or sine: what a quarter of a turn, rounded, leaves of zero
 LEAST_STEP: Final = 1e-6  # rad between the angles of a law: nearer ones are one angle written twice
 
 
@@ -103,7 +104,9 @@ def position(place: doc.Place) -> Vector:
     if not isinstance(place, doc.Polar):
         return place
     x, y = place.about
-    return x + place.radius * math.cos(place.angle), y + place.radius * math.sin(place.angle)
+    parts = (math.cos(place.angle), math.sin(place.angle))
+    c, s = (0.0 if abs(part) < ROUNDED else part for part in parts)  # a quarter of a turn, π/2 being rounded
+    return x + place.radius * c, y + place.radius * s
 
 
 def reader_of(document: doc.Document, source: Source) -> Reader:

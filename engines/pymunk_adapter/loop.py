@@ -124,6 +124,8 @@ class PymunkWorld:
     def iterations(self) -> int:
         """Iterations of a step at the present angle."""
         travelled = self.travel(0.0) - self.given["start"]
+        if not math.isfinite(travelled):
+            raise ArithmeticError("the driver's position is not finite")
         return int(self.counts[round(travelled / self.given["apart"]) % len(self.counts)])
 
     def load(self, number: int, anchor: Point, law: Any) -> Load:  # noqa: ANN401

@@ -170,6 +170,11 @@ def test_points_by_radius_and_angle_become_coordinates():
     assert_written(text, None, {"coupler.P4.x": 1e-3}, ulps=2)
 
 
+def test_a_point_a_quarter_of_a_turn_round_is_on_the_axis():
+    text = RIMOLDI.replace("[175, 0]", "{ radius = 175, angle = 90 }")
+    assert parse(text, "sample", "sample.toml").links["rod"].points["B"] == (0.0, pytest.approx(0.175))
+
+
 def test_the_stroke_stays_along_its_direction_where_a_guide_turns():
     text = FILES["force-over-angle"]  # its output has no direction of its own
     new = parse(rewritten(text, "sample", None, {"piston.along.x": 0.0}), "sample", "sample.toml")

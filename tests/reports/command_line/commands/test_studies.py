@@ -210,6 +210,12 @@ def test_a_cell_alone_is_printed_in_full_and_written_as_json(capsys):
     assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
 
 
+def test_a_run_whose_numbers_leave_all_bounds_has_diverged(capsys):
+    pytest.importorskip("pymunk")
+    stress(StressOptions(words=("stiffness/spring, driven/1e+08/pymunk/naive",)), Destination())
+    assert ": diverged" in capsys.readouterr().out
+
+
 def test_maps_are_written_and_read_back(tmp_path, capsys):
     choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
     assert stress(choice, Destination(out=tmp_path)) == 0
