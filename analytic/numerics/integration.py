@@ -105,6 +105,8 @@ Timed = Callable[[Array, Array, Array], Array]
 EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 LEAST_TOLERANCE: Final = 64.0 * EPS  # the last coefficients of a series never fall below a few roundings
 MOST_WINDOWS: Final = 200_000  # some ten thousand turns
+# After so many windows a motion is refused that at its pace would take SLOWER times as many as it may.
+FIRST_WINDOWS, SLOWER = 1_000, 100.0
 MOST_ITERATIONS: Final = 30
 DIVERGING: Final = 30.0  # times the least change so far: the window is too long
 SETTLED: Final = 0.001  # of the tolerance, relative to the acceleration: what an iteration may leave
@@ -295,8 +297,8 @@ def _check_progress(path: _Path, length: float, longest: float, duration: float,
             f"{place(path.angle)}, a dead position or an unbounded speed; shorten the "
             "duration or change the loads"
         )
-    if done > MOST_WINDOWS:
+    if done > MOST_WINDOWS or (done == FIRST_WINDOWS and done * duration > SLOWER * MOST_WINDOWS * time):
         raise LinkproofError(
-            f"motion: expected at most {MOST_WINDOWS} windows of integration, got more by t = {time:.4g} s of "
-            f"{duration:g} s; shorten the duration"
+            f"motion: expected at most {MOST_WINDOWS} windows of integration, got a motion over {duration:g} s "
+            f"that needs more, as it goes at t = {time:.4g} s; shorten the duration"
         )

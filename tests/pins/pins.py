@@ -34,7 +34,7 @@ EXACT = 1e-14  # of the peak: closed form and `direct`, whose operations may mov
 ENGINE_SHARE = 0.01  # of an engine's error
 ENGINE_FLOOR = 1e-9  # of the peak
 LOCATION = 1e-6  # degrees or seconds: where a smooth extreme lies is known to the root of the rounding error
-LOCATIONS = ("_at", "angle", "top", "bottom", "dead_centre", "shift")
+LOCATIONS = ("_at", ".at", ".phi", ".time", "worst", "direction", "angle", "top", "bottom", "dead_centre", "shift")
 BOUNDS = ("closure_error", "error_bound")  # rounding errors themselves: held to their size
 # What identifies a record, and what is held of it; everything else is a time, a text or derived.
 KEYS = {

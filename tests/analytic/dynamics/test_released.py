@@ -201,6 +201,8 @@ def test_bad_input_is_refused_in_one_sentence():
             free_motion(sample, **wrong)
     with pytest.raises(LinkproofError, match="crank torque: expected finite numbers"):
         free_motion(sample, duration=1.0, torque=math.nan)
+    with pytest.raises(LinkproofError, match=r"a motion over 1e\+300 s that needs more"):
+        free_motion(sample, duration=1e300, torque=0.05)
     with pytest.raises(AssemblyError):
         free_motion(from_text(DOUBLE_ROCKER), start_angle=math.pi, duration=1.0)
 
