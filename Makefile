@@ -25,7 +25,7 @@ pages: $(READY)  ## pictures of every page of build/report, wide and narrow, lig
 	$(BIN)/python -m tests.pages.show build/report build/pages
 
 pictures: $(READY)  ## the documentation's pictures and its notebook, from today's output and build/report; needs Chromium
-	$(BIN)/python docs/making/pictures.py
+	$(BIN)/python -m docs.making.pictures
 
 docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; it opens from the disk and loads nothing
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
