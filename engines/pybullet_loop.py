@@ -43,7 +43,9 @@ class World:
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
         """A function of PyBullet, on this world."""
-        return partial(getattr(pybullet, name), physicsClientId=self.client)
+        function = partial(getattr(pybullet, name), physicsClientId=self.client)
+        setattr(self, name, function)  # bound once, not in every step
+        return function
 
     def add(self, number: int, places: Any) -> int:  # noqa: ANN401
         """A body, with the blocks that slide on it as its links."""

@@ -38,10 +38,12 @@ LOADS: Final = ("forces", "torques", "springs", "dampers")
 
 def changed(linkage: Linkage, change: Change) -> Linkage:
     """The linkage with every number that has a name replaced by ``change(name, kind, number)``."""
-    numbers = linkage.named_numbers.items()
-    new = {number.path: change(name, number.kind, number.value) for name, number in numbers}
-    old = {number.path: number.value for _, number in numbers}
-    result: Linkage = with_values(linkage, {path: value for path, value in new.items() if value is not old[path]})
+    new = {
+        number.path: value
+        for name, number in linkage.named_numbers.items()
+        if (value := change(name, number.kind, number.value)) is not number.value
+    }
+    result: Linkage = with_values(linkage, new)
     return result
 
 

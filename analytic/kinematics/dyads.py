@@ -223,12 +223,17 @@ class _DyadForm:
 class _PinDyad(_DyadForm):
     """Two sides that meet in the inner pin C: x₁ d₁ − x₂ d₂ = carried₂ − carried₁.
 
-    ``meet`` finds C, the determinant d₁ × d₂ and the vectors of rods, and returns the links' poses.
+    ``make_sides`` makes the sides from the joints; ``meet`` finds C, the determinant d₁ × d₂ and the vectors of rods,
+    and returns the links' poses.
     """
 
-    sides: tuple[Any, Any]
     pin: Pair
+    make_sides: Callable[[], tuple[Any, Any]]
     meet: Callable[[], Poses]
+
+    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        super().__init__(dyad, sign, coordinate)
+        self.sides = self.make_sides()
 
     def poses(self, hosts: Poses) -> Poses:
         """Poses of both links between their hosts; nan where they are undefined."""
@@ -266,16 +271,21 @@ class RRR(_PinDyad):
     The determinant r × q is |AB| times C's distance from the line AB.
     """
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
+    def make_sides(self) -> tuple[Any, Any]:
+        """AC and BC."""
         first, inner, second = self.joints
-        self.sides = _rod(first, inner.far_local), _rod(second, inner.near_local)
-        self.lengths = self.sides[0].length, self.sides[1].length
+        return _rod(first, inner.far_local), _rod(second, inner.near_local)
+
+    @property
+    def lengths(self) -> tuple[Scalar, Scalar]:
+        """|r| and |q|, m."""
+        first, second = self.sides
+        return first.length, second.length
 
     def meet(self) -> Poses:
         """The radicand is a product (Heron), no difference of squares, to stay accurate near dead positions."""
         first, second = self.sides
-        total, difference = self.lengths[0] + self.lengths[1], self.lengths[0] - self.lengths[1]
+        total, difference = first.length + second.length, first.length - second.length
         d = frames.minus(second.base, first.base)
         square = frames.dot(d, d)
         radicand = (total * total - square) * (square - difference * difference)
@@ -289,7 +299,8 @@ class RRR(_PinDyad):
 
     def least_determinant(self) -> Scalar:
         """The determinant up to which A, B and C count as in one line."""
-        return LEAST_SINE * self.lengths[0] * self.lengths[1]
+        first, second = self.lengths
+        return LEAST_SINE * first * second
 
     def dead_position(self) -> str:
         """The arms are stretched or folded."""
@@ -309,14 +320,15 @@ class RRR(_PinDyad):
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """The arms' sum, or their difference, becomes the gap."""
-        total, difference = self.lengths[0] + self.lengths[1], self.lengths[0] - self.lengths[1]
+        first, second = self.sides
+        total, difference = first.length + second.length, first.length - second.length
         if abs(total - gap) < abs(gap - abs(difference)):
             total = gap
         elif gap <= ROUNDING * total:  # pins on top of each other: the gap's own rounding is no length
             difference = 0.0
         else:
             difference = gap if difference > 0.0 else -gap
-        self.lengths = 0.5 * (total + difference), 0.5 * (total - difference)
+        first.length, second.length = 0.5 * (total + difference), 0.5 * (total - difference)
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The arms are too short for the gap, or one is too long."""
@@ -342,10 +354,10 @@ class RRR(_PinDyad):
 class RRP(_PinDyad):
     """A circle and a line: A + r = base + t e with |r| given; r · e, the determinant, has the sign given."""
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
+    def make_sides(self) -> tuple[Any, Any]:
+        """The arm from A, and the slide."""
         first, inner, second = self.joints
-        self.sides = _rod(first, inner.far_local), Rail(second, inner.near_local)
+        return _rod(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
         """The arm's component across the line is A's distance from it."""
@@ -394,10 +406,10 @@ class RRP(_PinDyad):
 class PRP(_PinDyad):
     """Two lines: C = base₁ + t e = base₂ + u f, with one assembly mode; the determinant is e × f."""
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
+    def make_sides(self) -> tuple[Any, Any]:
+        """The two slides."""
         first, inner, second = self.joints
-        self.sides = Rail(first, inner.far_local), Rail(second, inner.near_local)
+        return Rail(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
         """The first travel follows from the vector product with the second line."""
@@ -558,11 +570,10 @@ class _DrivenForm(_PinDyad):
 class TurnedLink(_DrivenForm, RRR):
     """A link on a pin: the triangle of its arm, the cylinder and the line between their pins (law of cosines)."""
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        _DyadForm.__init__(self, dyad, sign, coordinate)
+    def make_sides(self) -> tuple[Any, Any]:
+        """The arm, and the cylinder."""
         outer, cylinder = self.joints
-        rod = _rod(outer, cylinder.far_local)
-        self.sides, self.lengths = (rod, Strut(cylinder, coordinate)), (rod.length, coordinate)
+        return _rod(outer, cylinder.far_local), Strut(cylinder, self.coordinate)
 
 
 class PushedLink(_DrivenForm, RRP):
@@ -570,10 +581,10 @@ class PushedLink(_DrivenForm, RRP):
 
     own = 1
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        _DyadForm.__init__(self, dyad, sign, coordinate)
+    def make_sides(self) -> tuple[Any, Any]:
+        """The cylinder, and the slide."""
         cylinder, outer = self.joints
-        self.sides = Strut(cylinder, coordinate), Rail(outer, cylinder.far_local)
+        return Strut(cylinder, self.coordinate), Rail(outer, cylinder.far_local)
 
     def dead_position(self) -> str:
         """The cylinder is square to the line."""

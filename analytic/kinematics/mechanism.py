@@ -21,7 +21,6 @@ from analytic.kinematics.change_points import period_of, with_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver, check_assembly
-from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.group_equations import Motions
 from analytic.kinematics.group_solver import configuration_at_sketch, follow_branch, group_problem
@@ -106,14 +105,6 @@ class Mechanism:
         if start not in self._ranges:
             self._ranges[start] = crank_range(self.linkage, self.structure, self.undetermined, start)
         return self._ranges[start]
-
-    def error_bound(self) -> tuple[float, float, float]:
-        """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
-
-        Relative to the peaks; see ``analytic.kinematics.error_bounds``. Near a dead position they grow, as the true
-        error does.
-        """
-        return relative_bounds(self.turn)
 
     def check_full_turn(self) -> None:
         """Raise AssemblyError where the crank cannot make a full turn, be it for a gap between two of its steps."""

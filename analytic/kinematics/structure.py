@@ -9,6 +9,7 @@ to bodies already placed; its kind names the three joints in order (outer, inner
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -79,7 +80,7 @@ GroupJoint = Joint | DrivenDistance
 
 
 @dataclass(frozen=True)
-class ClosedGroup:
+class ClosedGroup(ABC):
     """A group that is solved in closed form, known by its ``first`` link.
 
     ``sign`` (W of the articles, +1 or -1) picks the assembly mode; 0 where there is only one. With ``changes`` it is
@@ -107,14 +108,14 @@ class ClosedGroup:
         return " and ".join(f"'{link}'" for link in self.links)
 
     @property
+    @abstractmethod
     def links(self) -> tuple[str, ...]:
         """The links that it places."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def joints(self) -> tuple[GroupJoint, ...]:
         """Its joints, outer ones seen from a placed body."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -19,16 +19,18 @@ from comparisons.designer.optimisation import OptimisationRequest, Optimum, opti
 from comparisons.designer.parameters import SAMPLES, SteadyMotion, mass_words, named_figures, steady_motion
 from comparisons.designer.sweep import MOST, DesignSpace, SweepRequest, parameter_range, read_table, usual_figures
 from comparisons.designer.tolerances import ToleranceRequest, Tolerances, tolerance_request
+from comparisons.motion.case import Case
 from reports.requests.motions import requested_case
 from reports.requests.options import OptimiseOptions, SteadyOptions, SweepOptions, ToleranceOptions
 
 
 class SteadyCase(NamedTuple):
-    """A mechanism under a motion at constant speed; ``conditions`` are both in words."""
+    """A mechanism under a motion at constant speed, and the case of both; ``conditions`` are both in words."""
 
     mechanism: Mechanism
     motion: SteadyMotion
     conditions: str
+    case: Case
 
 
 def steady_case(linkage: Linkage, options: SteadyOptions) -> SteadyCase:
@@ -48,7 +50,7 @@ def steady_case(linkage: Linkage, options: SteadyOptions) -> SteadyCase:
     how = f"refined between {SAMPLES}" if options.refine else f"sampled at {SAMPLES}"
     places = "places" if linkage.is_linear else "crank angles"
     newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
-    return SteadyCase(mechanism, motion, f"{conditions(case)}, {how} {places}{newton}")
+    return SteadyCase(mechanism, motion, f"{conditions(case)}, {how} {places}{newton}", case)
 
 
 def sweep_request(linkage: Linkage, options: SweepOptions) -> SweepRequest:
@@ -101,7 +103,7 @@ def find_optimum(
 ) -> tuple[Optimum, str]:
     """The best design, and the conditions in words."""
     request = build_optimisation_request(options)
-    mechanism, motion, conditions = steady_case(linkage, options)
+    mechanism, motion, conditions, _ = steady_case(linkage, options)
     best = optimise(mechanism, motion, request, announce)
     return best, conditions + mass_words(mechanism.linkage, best.after)
 
@@ -110,5 +112,5 @@ def build_tolerance_request(linkage: Linkage, tolerances: Tolerances, options: T
     """The request, at the speed of the file of tolerances if it has one; raises LinkproofError for bad input."""
     if tolerances.speed is not None:
         options = replace(options, speed=tolerances.speed)
-    mechanism, motion, conditions = steady_case(linkage, options)
+    mechanism, motion, conditions, _ = steady_case(linkage, options)
     return tolerance_request(mechanism, motion, tolerances, samples=options.samples, conditions=conditions)

@@ -155,11 +155,10 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
     A number has the digits that give its value back.
     """
     from reports.requests.designs import steady_case  # noqa: PLC0415 - for this list alone
-    from reports.requests.motions import requested_case  # noqa: PLC0415
 
-    mechanism, _, conditions = steady_case(linkage, SteadyOptions())
+    mechanism, _, conditions, case = steady_case(linkage, SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))
-    curves = Curves(requested_case(SteadyOptions(), mechanism))  # of one design, all figures are found together
+    curves = Curves(case)  # of one design, all figures are found together
     found = case_figures(curves, {each.name: each.figure for each in every})
     values = [found[each.name] / each.unit.size for each in every]
     sizes: dict[tuple[str, str], float] = {}  # of signals of one kind, beside which a value may be rounding

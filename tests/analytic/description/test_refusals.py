@@ -9,6 +9,7 @@ from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import stroke
+from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.faults import JUKI, message_of
 from tests.analytic.linkages import text_of
@@ -208,7 +209,7 @@ def _fault_of(text):
         sample = Mechanism(parse(text, "sample", "sample.toml"))
         sample.check_full_turn()
         reduced.drive_torque(sample.turn, 30.0, 100.0)
-        sample.error_bound()
+        relative_bounds(sample.turn)
         if sample.linkage.output:
             stroke(sample)
     except LinkproofError as error:

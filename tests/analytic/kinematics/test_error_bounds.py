@@ -41,7 +41,7 @@ def test_the_bound_holds_everywhere_and_is_near_the_worst_error(name, variant):
 
 
 def test_the_needle_mechanisms_are_bound_far_below_the_accuracy_that_the_reference_needs():
-    assert max(mechanism("rimoldi-164").error_bound()) < FIFTY_DIGITS
+    assert max(relative_bounds(mechanism("rimoldi-164").turn)) < FIFTY_DIGITS
 
 
 def test_a_bound_grows_towards_a_dead_position():

@@ -12,6 +12,7 @@ from analytic.description.loading import load
 from analytic.dynamics.reduced import drive_torque, equation_of_motion, equilibria
 from analytic.errors import AssemblyError
 from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
+from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import usual_case
 from comparisons.motion.case import Case, channel_truth, zero_of_output
@@ -157,7 +158,7 @@ def test_the_range_is_said_in_the_length_unit_of_the_file(name):
         limits.check(low, 2.0 * high, "sample")
     with pytest.raises(AssemblyError, match=r"at .* mm:"):
         mechanism.sweep(np.array([high + 1e-3])).poses(mechanism.structure.groups[-1].links[0])
-    assert max(mechanism.error_bound()) < 1e-8
+    assert max(relative_bounds(mechanism.turn)) < 1e-8
     equation = equation_of_motion(mechanism)
     assert np.isfinite(equation.peak_moment)
     assert equation.tabulated() is equation
