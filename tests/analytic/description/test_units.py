@@ -5,13 +5,14 @@ from math import radians
 
 import pytest
 
-from analytic.description.units import UNITS, factor
+from analytic.description.units import UNITS, conversion, factor
 from analytic.description.written import change, csv_text, fixed, signed
 from analytic.errors import UnknownNameError
 
 PREFIXES = {"k": Fraction(1000), "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6)}
 BASE = {"m": 1, "g": Fraction(1, 1000), "t": 1000, "s": 1, "N": 1, "rad": 1}
-BASE |= {"in": Fraction("0.0254"), "lb": Fraction("0.45359237")}  # 1 in = 25.4 mm, 1 lb = 0.45359237 kg
+BASE |= {"in": Fraction("0.0254"), "ft": Fraction("0.3048"), "lb": Fraction("0.45359237")}  # 1 lb = 0.45359237 kg
+BASE |= {"lbf": BASE["lb"] * Fraction("9.80665"), "slug": BASE["lb"] * Fraction("9.80665") / BASE["ft"]}
 
 
 def _symbol(text):
@@ -36,6 +37,10 @@ def test_every_factor_follows_from_the_definitions(kind):
     expected = {unit: radians(1.0) if unit == "deg" else _by_definition(unit) for unit in UNITS[kind]}
     assert {unit: factor(kind, unit) for unit in UNITS[kind]} == expected
     assert 1.0 in UNITS[kind].values()
+
+
+def test_rates_of_length_are_known_with_it():
+    assert (conversion("ft/s", "m/s"), conversion("ft/s^2", "m/s²")) == (0.3048, 0.3048)
 
 
 def test_an_unknown_unit():

@@ -37,7 +37,7 @@ REFUSED = {
     "number for a vector": ("[0, -9.81]", "-9.81", ":4: gravity", "expected the gravity vector [x, y]"),
     "mass negative": ("mass = 0.15", "mass = -0.15", ":16: links.coupler.mass", "of zero or more"),
     "inertia missing": ("inertia = 6e-5\n", "", ":14: links.coupler.inertia is missing", "add it"),
-    "unit unknown": ('mass = "kg"', 'mass = "gram"', ":2: units.mass", "known are g, kg, lb, mg, t"),
+    "unit unknown": ('mass = "kg"', 'mass = "gram"', ":2: units.mass", "known are g, kg, lb, mg, slug, t"),
     "unit missing": (', angle = "deg"', "", ":2: units.angle is missing", "add it"),
     "two cranks": ('crank = "crank"', 'crank = ["crank", "rocker"]', ":3: crank", "the name of the link"),
     "ground missing": ("ground = {", "# ground = {", ":1: ground is missing", "add it"),
