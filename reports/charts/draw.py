@@ -174,8 +174,8 @@ def _dark(text: str) -> str:
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:
     """Draw a panel, but for its words."""
-    axes.set_xscale("log" if panel.scale in ("logx", "loglog") else "linear")
-    axes.set_yscale("log" if panel.scale in ("log", "loglog") else "linear")
+    axes.set_xscale("log" if panel.scale == "logx" else "linear")
+    axes.set_yscale("log" if panel.scale == "log" else "linear")
     for low, high in panel.hatch.stretches if panel.hatch else ():
         hatch(axes, low, high)
     if panel.surface:

@@ -83,7 +83,7 @@ class Surface:
 class Panel:
     """One pair of axes.
 
-    ``scale`` is linear, logarithmic in y, in x or in both, or equal in both directions; ``turn``: x is the crank angle
+    ``scale`` is linear, logarithmic in y or in x, or equal in both directions; ``turn``: x is the crank angle
     of a whole turn, degrees. ``names`` is the place of the curves' names. ``rows`` name y = 0, 1, … from above.
     Curves are cut off outside ``span`` in y, and the colours of a surface differ between its ends.
     """
@@ -93,7 +93,7 @@ class Panel:
     y_label: str = ""
     marks: tuple[Mark, ...] = ()
     notes: tuple[Note, ...] = ()
-    scale: Literal["linear", "log", "logx", "loglog", "equal"] = "linear"
+    scale: Literal["linear", "log", "logx", "equal"] = "linear"
     turn: bool = False
     names: Literal["ends", "key", ""] = "ends"
     title: str = ""

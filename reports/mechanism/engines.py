@@ -62,15 +62,7 @@ def chart(view: View) -> Widget:
     first = next(iter(further), "")
     data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
     label = "Errors and curves of every engine"
-    figures = tuple(errors_figure(view, regime) for regime in view.regimes if view.shown_setting(regime))
-    return Widget("curves", "curves", label, data, further, instead=figures)
-
-
-def errors_figure(view: View, regime: Regime) -> PageFigure:
-    """Every error of a regime as a figure."""
-    caption = sentence("errors", regime=regime, setting=view.shown_setting(regime))
-    alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime))
+    return Widget("curves", "curves", label, data, further)
 
 
 def errors_section(view: View, regime: Regime) -> Fold:

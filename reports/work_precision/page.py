@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
-
-import numpy as np
 
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.runs.files import STORE
@@ -23,27 +20,22 @@ from comparisons.trials.work_precision.fronts import (
     choices,
     engines,
     foremost,
-    front,
-    has_floor,
     large_overheads,
-    least,
     places,
     quantities,
     standings,
     sweeps,
 )
-from comparisons.trials.work_precision.table import METHOD, SETTING, Bench
-from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel
+from comparisons.trials.work_precision.table import Bench
+from reports.document.chart import Ink
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
     Bullets,
     Command,
     Facts,
-    FigureGroup,
     Fold,
     Mono,
     Page,
-    PageFigure,
     PageLink,
     Paragraph,
     Part,
@@ -74,83 +66,14 @@ if TYPE_CHECKING:
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0
-COLUMNS, PANEL = 3, 3.2
 COLOURS = 6  # of the palette
-MARKERS = {"naive": "o", "tuned": "s", "best": "*"}
 WHERE = ["mechanism", "regime"]
-LINES = ("-", "--")  # of single runs, and of several extrapolated
 
 
 def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
     """The colours of engines: by name order, as in all of a report, and the control's, which its label names, muted."""
     order = sorted(labels)
     return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
-
-
-def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, ...]:
-    """A figure for every regime."""
-    alt = "error over the time of set-up and stepping, {}, every engine, {} mechanisms"
-    return tuple(
-        PageFigure(name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours))
-        for name, places in regimes.items()
-    )
-
-
-def chart(places: Sequence[DataFrame], colours: Mapping[str, Ink]) -> Chart:
-    """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
-    panels = tuple(_panel(place, colours) for place in places)
-    columns = min(COLUMNS, math.ceil(math.sqrt(len(panels))))
-    return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
-
-
-def _panel(place: DataFrame, colours: Mapping[str, Ink]) -> Panel:
-    """The front over all engines, the control apart, is a broad grey staircase."""
-    quantity = foremost(place)
-    fronts = zip(_fronts(place[(place.quantity == quantity) & ~place.is_control]), LINES, strict=True)
-    curves = [
-        Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
-        for (x, y), line in fronts
-        if len(x)
-    ]
-    notes = []
-    for points in engines(place):
-        curves += _engine(points, colours[points.engine.iloc[0]])
-        bests = [least(sweep) for sweep in sweeps(points)]
-        notes += [Note(best.total_seconds, drawn_error(best), f"{best.order:.0f}") for best in bests if best.order]
-    title = f"{place.mechanism.iloc[0]}: {plain(quantity)}"
-    names = ("set-up and stepping, s", "largest |error| / peak")
-    return Panel(tuple(curves), *names, notes=tuple(notes), scale="loglog", title=title)
-
-
-def _engine(points: DataFrame, ink: Ink) -> Iterator[Curve]:
-    """The curves of one engine: its sweeps, floors, fronts and settings."""
-    first = points.iloc[0]
-    for sweep in sweeps(points):
-        line = LINES[int(sweep.is_extrapolated.iloc[0])]
-        yield Curve(*_places(sweep.itertuples()), ink=ink, line=line, width=0.6, marker=".")
-        if has_floor(sweep):
-            yield Curve(*_places([least(sweep)]), ink=ink, line="", marker="_", size=11.0)
-    fronts = _fronts(points)
-    lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
-    for (x, y), line in zip(fronts, LINES, strict=True):
-        if len(x):
-            name = "control" if first.is_control else first.engine
-            yield Curve(x, y, name=name if y[-1] == lowest else "", ink=ink, line=line, width=1.9)
-    for record in points[points.finished & (points.kind == SETTING)].itertuples():
-        yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
-
-
-def _fronts(points: DataFrame) -> list[tuple[Array, Array]]:
-    """The front of methods' single runs, and that of several extrapolated; a setting alone is no front."""
-    methods = points[points.kind == METHOD]
-    parts = (methods[methods.is_extrapolated == several] for several in (False, True))
-    return [_places(front(part).itertuples()) for part in parts]
-
-
-def _places(records: Iterable[Row]) -> tuple[Array, Array]:
-    """Times, s, and errors over the peak of points (n,)."""
-    every = list(records)
-    return np.array([record.total_seconds for record in every]), np.array([drawn_error(record) for record in every])
 
 
 def drawn_error(record: Row) -> float:
@@ -376,9 +299,8 @@ def page(bench: Bench) -> Page:
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
     if groups := by_regime(bench):
-        as_figures = Fold("The same as figures", (FigureGroup(figures(groups, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
-        first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading, as_figures)
+        first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading)
         methods = method_section(groups, bench)
         sections += [choices_section(groups, noise_note(bench)), methods]
     if failed := _failures(every):
