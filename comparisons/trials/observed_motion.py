@@ -231,6 +231,16 @@ FEWEST = 4 * POINTS  # samples needed for an error estimate
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the interpolating polynomials
 
 
+def is_off_jumps(time: Array, jumps: Sequence[float]) -> NDArray[np.bool_]:
+    """Which samples at these times, s, have one value: one on a jump has two, and an engine shows either or neither."""
+    return np.all([np.abs(time - jump) > _same_time(time) for jump in jumps] or [np.full(len(time), True)], axis=0)
+
+
+def _same_time(time: Array) -> float:
+    """Distance, s, within which two times of a clock are one."""
+    return 1e-6 * float(time[1] - time[0])
+
+
 def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> Array:
     """∫ dt from the first sample to each, of an even order up to 6 between the times at which the signal jumps.
 
@@ -238,13 +248,13 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
     dropped and both sides are extrapolated to it.
     """
     time = signal.time
-    near = 1e-6 * float(time[1] - time[0])
-    on_jump = np.any([np.abs(time - jump) <= near for jump in jumps] or [np.zeros(len(time), dtype=bool)], axis=0)
+    near = _same_time(time)
+    one_value = is_off_jumps(time, jumps)
     borders = [float(time[0]), *(jump for jump in jumps if time[0] < jump < time[-1]), float(time[-1])]
     result = np.zeros(len(time))
     total = 0.0
     for start, end in itertools.pairwise(borders):
-        inside = (time >= start) & (time <= end) & ~on_jump
+        inside = (time >= start) & (time <= end) & one_value
         nodes = np.unique(np.concatenate([[start], time[inside], [end]]))
         sums = total + _integrate_stretch(nodes, Signal(time[inside], signal.values[inside]), order)
         here = (time >= start - near) & (time <= end + near)

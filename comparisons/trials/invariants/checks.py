@@ -46,6 +46,7 @@ from comparisons.trials.observed_motion import (
     error_bound,
     error_estimate,
     integral,
+    is_off_jumps,
     resample_piecewise,
 )
 from engines.contract import History, Signal
@@ -223,7 +224,8 @@ def weight_on_frame(inspection: Inspection) -> Balance:
     assert turn is not None
     clocks = (motion.signal(Channel.POSITION).time, *(force.time for force in motion.history.joint_force.values()))
     samples = min(np.count_nonzero((clock >= turn[0]) & (clock <= turn[1])) for clock in clocks)
-    time = np.linspace(*turn, max(int(samples), DENSE), endpoint=False)
+    count = max(int(samples), DENSE)
+    time = turn[0] + (turn[1] - turn[0]) * (np.arange(count) + 0.5) / count  # not at the ends, where a jump may be
     mean, error = _mean_force(motion, time), np.inf
     if samples >= DENSE and not inspection.unresolved_intervals(time).any():
         error = float(np.hypot(*(mean - _mean_force(_with_every_other_sample(motion), time))))
@@ -239,7 +241,9 @@ def _mean_force(motion: ObservedMotion, time: Array) -> Array:
     ends |= {joint.name: (joint.body, joint.host) for joint in scene.guided}
     for name, (first, second) in ends.items():
         if GROUND in (first, second):
-            force = resample_piecewise(motion.history.joint_force[name], time, motion.jumps, MEAN_POINTS)
+            read = motion.history.joint_force[name]
+            clear = is_off_jumps(read.time, motion.jumps)
+            force = resample_piecewise(Signal(read.time[clear], read.values[clear]), time, motion.jumps, MEAN_POINTS)
             total = total + np.mean(force, axis=0) * (-1.0 if first == GROUND else 1.0)
     return np.asarray(total)
 

@@ -189,6 +189,15 @@ def test_the_frame_carries_forces_and_springs_beside_the_weight(name):
     assert records(one, true_history(one))["weight_on_frame"].error_max < 1e-6
 
 
+def test_a_sample_on_a_jump_weighs_nothing():
+    """The turn of the mean begins at a jump of the acceleration, where an engine shows the mean of both forces."""
+    one = Case(mechanism(JUKI), crank_motion("run-up", speed=100.0, ramp_time=0.08 * np.pi, hold_time=0.02 * np.pi))
+    history = true_history(one, 1001)
+    for force in history.joint_force.values():
+        force.values[800] = 0.5 * (force.values[799] + force.values[801])
+    assert records(one, history)["weight_on_frame"].error_max < 1e-6
+
+
 def test_forces_may_have_clocks_of_their_own():
     """The last joint's begins late; the others are read between their samples, up to a jump of the acceleration."""
     one = driven(JUKI, "run-up")
