@@ -115,23 +115,23 @@ class Descent:
         return self.problem.linearise(place, windows)
 
     def _search_round(self, end: End, radius: float) -> End | None:
-        """The end of SLSQP within a radius; the aim is a variable of its own, above all local maxima."""
+        """The end of SLSQP within a radius, of the aim or, where a constraint does not hold, of the violation.
+
+        Either is a variable of its own, above all local maxima or all violations.
+        """
         from scipy.optimize import minimize  # noqa: PLC0415
 
         designs = _CachedDesigns(self, end.place)
         column = np.append(np.zeros(len(end.place)), 1.0)
-
-        def above(z: Array) -> Array:
-            here = designs(z[:-1])
-            return np.concatenate([z[-1] - here.aim, here.inside])
-
-        def above_slopes(z: Array) -> Array:
-            here = designs(z[:-1])
-            aim = np.column_stack([-here.aim_slopes, np.ones(len(here.aim))])
-            return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
-
-        limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
-        free = independent(designs(end.place).equal_slopes)
+        above = _below_aim if end.is_feasible else _within_violation
+        limits: list[dict[str, Any]] = [
+            {
+                "type": "ineq",
+                "fun": lambda z: (row := above(designs(z[:-1])))[0] + z[-1] * row[2],
+                "jac": lambda z: np.column_stack(above(designs(z[:-1]))[1:]),
+            }
+        ]
+        free = independent(designs(end.place).equal_slopes) if end.is_feasible else []
         if free:
             limits.append({
                 "type": "eq",
@@ -139,8 +139,9 @@ class Descent:
                 "jac": lambda z: np.column_stack([designs(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
             })  # fmt: skip
         box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
+        first, least = (end.aim, None) if end.is_feasible else (end.violation, 0.0)
         result = minimize(
-            lambda z: z[-1], np.append(end.place, end.aim), jac=lambda _: column, bounds=[*box, (None, None)],
+            lambda z: z[-1], np.append(end.place, first), jac=lambda _: column, bounds=[*box, (least, None)],
             constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": 1e-15},
         )  # fmt: skip
         place = np.asarray(result.x[:-1])
@@ -148,6 +149,25 @@ class Descent:
             return self.end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
         except AssemblyError:
             return None
+
+
+Rows = tuple[Array, Array, Array]
+
+
+def _below_aim(design: Linearised) -> Rows:
+    """What has to be positive for a design's aim to be at most z, its derivatives by place, and by z."""
+    own = np.concatenate([-design.aim, design.inside])
+    return (
+        own,
+        np.vstack([-design.aim_slopes, design.inside_slopes]),
+        np.repeat([1.0, 0.0], [len(design.aim), len(design.inside)]),
+    )
+
+
+def _within_violation(design: Linearised) -> Rows:
+    """What has to be positive for a design to violate no constraint by more than z; as ``_below_aim``."""
+    own = np.concatenate([design.inside, design.equal, -design.equal])
+    return own, np.vstack([design.inside_slopes, design.equal_slopes, -design.equal_slopes]), np.ones(len(own))
 
 
 def independent(slopes: Array) -> list[int]:
@@ -189,6 +209,8 @@ MOST_SAMPLES: Final = 65_536
 PICKED: Final = 12  # of them, from which is searched downhill
 AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
 RESTARTS: Final = 8  # designs to start from where the search from the file's design ends at none that is allowed
+DRAWN: Final = 128  # designs sampled for these
+OUT_OF_REACH_ENDS: Final = 3  # where so many searches miss the constraints by the same, no design is looked for on
 SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
 SEED: Final = 0  # of the Sobol sequence
 PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
@@ -233,11 +255,12 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
     """Search from the file's design ``start``, and ``everywhere`` from the best of a Sobol sample.
 
     Not all of these are searched from where the first few searches have ended at the same. Where the file's design
-    leads to none that is allowed, a few others of the sequence are tried.
+    leads to none that is allowed, a few others of such a sample are tried, until several miss the constraints alike.
     """
     counter = Counter()
     descent = Descent(problem, counter)
-    others = _pick_starts(problem, counter) if everywhere else []
+    samples = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
+    others = _pick_starts(problem, counter, samples, PICKED) if everywhere else []
     ends: list[End | None] = []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
@@ -245,9 +268,9 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
         if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
             break
     if len(ends) == 1 and (ends[0] is None or not ends[0].is_feasible):
-        for place in _draw_starts(problem, counter):
+        for place in _pick_starts(problem, counter, DRAWN, RESTARTS):
             ends.append(descent.run(place))
-            if ends[-1] is not None and ends[-1].is_feasible:
+            if (ends[-1] is not None and ends[-1].is_feasible) or _miss_alike(ends):
                 break
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
     result = Search(method, tuple(ends), counter, np.nan)
@@ -257,19 +280,18 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
     return replace(result, residual=descent.residual(best.place))
 
 
-def _draw_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
-    """Places to start from: the first designs of a Sobol sequence that can be assembled."""
-    places, merits = _sample_merits(problem, counter, 16 * RESTARTS)
-    return list(places[np.isfinite(merits)][:RESTARTS])
+def _miss_alike(ends: Sequence[End | None]) -> bool:
+    """Whether several searches have ended as near to the constraints as the best, so that none comes nearer."""
+    found = [end.violation for end in ends if end is not None]
+    return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
 
 
-def _pick_starts(problem: DesignProblem, counter: Counter) -> list[Array]:
-    """Places to start from: the best designs of a Sobol sample, no two of them near each other."""
-    count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
+def _pick_starts(problem: DesignProblem, counter: Counter, count: int, most: int) -> list[Array]:
+    """Places to start from: the best, ``most`` at most, of a Sobol sample of ``count``, no two near each other."""
     places, merits = _sample_merits(problem, counter, count)
     picked: list[Array] = []
     for number in np.argsort(merits):
-        if len(picked) == PICKED or not np.isfinite(merits[number]):
+        if len(picked) == most or not np.isfinite(merits[number]):
             break
         if all(np.max(np.abs(places[number] - values)) > SPACED for values in picked):
             picked.append(places[number])

@@ -10,6 +10,7 @@ from analytic.description.changes import changed
 from analytic.description.loading import load
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import sheet, usual_case
 from comparisons.designer.optimisation import OptimisationRequest, optimise
@@ -125,6 +126,15 @@ def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
     far = best("rimoldi-164", "rod.B.x=185:230", "ground.O2.y=175:230", figure="Mkr.peak")
     assert far.search.ends[-1] is not None
     assert np.isfinite(far.values[1, 0])
+
+
+def test_where_no_design_meets_a_constraint_the_nearest_of_all_is_named():
+    over = ("rod.B.x=170:180", "rocker.B.x=20:23")
+    rods, rockers = (values.ravel() for values in np.meshgrid(np.linspace(0.17, 0.18, 21), np.linspace(0.02, 0.023, 7)))
+    numbers = {"rod.B.x": rods, "rocker.B.x": rockers}
+    longest = np.nanmax(figures(Mechanism(load("rimoldi-164")), numbers, STROKE))
+    with pytest.raises(LinkproofError, match=f"nearest found has {1e3 * longest:.6g} mm"):
+        best("rimoldi-164", *over, figure="Mkr.peak", keep=["stroke=50:51"])
 
 
 @pytest.mark.parametrize(
