@@ -179,7 +179,7 @@ def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(browser, p
             click(page, "Redo")
         assert mass.input_value() == heavy
         assert f"mass = {heavy}," in copied(page)
-        click(page, "Link")
+        click(page, "Copy address")
         address = page.locator(".widget textarea").input_value()
         page.goto("about:blank")
         page.goto(address)
@@ -238,6 +238,7 @@ def test_a_finger_pulls_and_slides_without_scrolling_the_page(browser, page_of):
         touch(page, (x, y), (x + 10.0, y + 15.0), (x + 20.0, y + 30.0))
         assert page.evaluate("scrollY") == top
         assert np.hypot(*np.subtract(grab(page, "P"), (x + 20.0, y + 30.0))) < 8.0
+        page.locator(".live-figures summary").click()
         slider = page.get_by_role("slider", name="crank mass, kg")
         slider.scroll_into_view_if_needed()
         box, before = slider.bounding_box(), figure(page, "force in O1")[0]

@@ -1,37 +1,44 @@
 "use strict";
 // The part of a page that can be pulled at: points and numbers, undone and redone, copied as a file, curves, a link.
 linkproof.widget("live", (element, data) => linkproof.load(element, "model").then((formulas) => {
-  const { make, labelled, choice } = linkproof.controls, SECONDS = 6, STEPS = 1000;
+  const { make, labelled, choice } = linkproof.controls, SECONDS = 6, STEPS = 1000, EVERY = 4; // frames between read-outs
+  const PACES = [[0.1, "× 0.1"], [0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]];
+  const WIDE = 900; // px of a page with the drawing beside the curves
   const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
   const model = linkproof.liveModel(formulas, data), { motion, length } = data, byName = model.byName;
   const before = model.whole({}), figuresBefore = model.figures(before);
   const done = [], undone = [], cells = [], rows = new Map();
   let design = fromAddress(), over = before, share = 0, playing = false, clock = 0;
-  let pull = null, last = null, isDirty = false;
+  const axis = motion.linear ? "travel" : motion.steady ? "φ" : "t";
+  let pull = null, last = null, isDirty = false, pointed = null, frames = 0;
 
   const gripped = { can, begin, move, end, step: () => Number(step.value) * length.size };
   const scheme = linkproof.liveDrawing(data, model, gripped);
-  const curves = linkproof.liveCurves(data, model, scrub);
+  const curves = linkproof.liveCurves(data, model, point);
   const coordinates = Object.values(data.bodies).flatMap((points) => Object.values(points).flat());
   const extent = Math.max(...coordinates.map(Math.abs), 1e-9) / length.size;
   const steps = [0.1, 1, 10].map((times) => tidy(times * nice(extent / 100)));
+  const [pace, paceLabel] = choice("Speed", PACES, () => {});
+  pace.value = 1;
   const [step, stepLabel] = choice("Snap to", steps.map((one) => [one, `${one} ${length.unit}`]), () => {});
   step.value = steps[1];
 
   const button = (text, act) => make("button", text, { type: "button", onclick: act });
-  const playButton = button("Play", () => play(!playing)), at = make("output");
+  const playButton = button("Play", () => play(!playing)), at = make("output"), reading = make("b");
   const place = make("input", "", { type: "range", min: 0, max: STEPS, step: 1 });
   const undoButton = button("Undo", () => travel(done, undone));
   const redoButton = button("Redo", () => travel(undone, done));
   const resetButton = button("Reset", () => change({}));
   const status = make("p", "", { className: "live-status" });
-  const spoken = make("p", "", { className: "small live-said", ariaLive: "polite" });
+  const hint = "Pull a point of the drawing or move a number: curves and key figures follow.";
+  const spoken = make("p", hint, { className: "small live-said", ariaLive: "polite" });
   const label = "The file with the new numbers";
   const copied = make("textarea", "", { readOnly: true, hidden: true, rows: 12, ariaLabel: label });
 
   element.replaceChildren(...layout());
   redraw();
   settle();
+  if (!Object.keys(design).length) tell(hint);
   play(!matchMedia("(prefers-reduced-motion: reduce)").matches && !Object.keys(design).length);
   linkproof.redrawn(() => {
     redraw();
@@ -54,21 +61,24 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     return found;
   }
   function layout() {
-    const axis = motion.linear ? "travel" : motion.steady ? "φ" : "t";
     place.addEventListener("input", () => {
       play(false);
       show(place.value / STEPS);
     });
-    const controls = box("controls", playButton, labelled(`${axis} `, place), at, stepLabel);
-    const stage = box("live-stage", scheme.svg, status, controls);
-    const tools = box("controls live-tools", undoButton, redoButton, resetButton,
-      button("Copy as TOML", copy), button("Save curves", save), button("Link", link));
+    const controls = box("controls", playButton, labelled(`${axis} `, place), at);
+    const tools = box("controls live-tools", paceLabel, stepLabel, undoButton, redoButton, resetButton,
+      button("Copy as TOML", copy), button("Save curves", save), button("Copy address", link));
     if (linkproof.watched) tools.append(button(`Save to ${data.name}.toml`, saveFile));
-    return [box("live-top", stage, box("live-figures scroll", figuresTable())), tools, spoken, copied,
-      box("live-lower", curves.box, numbersPanel())];
+    const fold = make("details", "", { className: "live-figures", open: innerWidth > WIDE });
+    fold.append(make("summary", "Key figures"), figuresTable());
+    const words = "Dots are peaks. Point at a curve to read it; drag along it to move the linkage. Values at ";
+    const legend = make("p", words, { className: "small live-legend" });
+    legend.append(reading);
+    const left = box("live-left", box("live-stage", scheme.svg, status, controls), tools, spoken, copied, numbersPanel());
+    return [box("live", left, box("live-right", box("live-read", legend, curves.box), fold))];
   }
   function figuresTable() {
-    const table = make("table", "", { className: "key" });
+    const table = make("table");
     const heads = ["figure", "now", "in the file", "change"];
     const line = table.createTHead().insertRow(), body = table.createTBody();
     line.append(...heads.map((word, n) => make("th", word, { scope: "col", className: n ? "num" : "" })));
@@ -217,6 +227,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       if (!isDirty) return;
       const start = performance.now();
       render(true);
+      if (!pull && !scheme.holds(over, design)) fit();
       element.dataset.frame = (performance.now() - start).toFixed(2);
     });
   }
@@ -237,7 +248,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       line.classList.toggle("changed", name in design);
     }
     scheme.trace(over, design, "path");
-    curves.draw(over, before, told);
+    curves.draw(over, before, tops(figures, isQuick));
     show(share);
     undoButton.disabled = !done.length;
     redoButton.disabled = !undone.length;
@@ -258,15 +269,46 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   function tell(words) {
     spoken.textContent = words;
   }
+  /** The peaks of the curves: key figures, and of what has none its largest magnitude. */
+  function tops(figures, isQuick) {
+    const known = figures.map((one, n) => [one, figuresBefore[n]]).filter(([{ signal }]) => signal);
+    const others = over.isWhole ? curves.rows.filter((row) => !known.some(([{ signal }]) => signal === row)) : [];
+    const rest = others.map((signal) => {
+      const { unit, size } = data.results[model.places.get(signal)];
+      const { time, height } = model.top(over, model.places.get(signal), Math.abs, isQuick);
+      return [{ name: "peak", signal, time, unit, value: height / size }];
+    });
+    return [...known, ...rest].filter(([{ value }]) => Number.isFinite(value)).map(([one, was]) => {
+      const { size } = data.results[model.places.get(one.signal)], i = (one.time / over.duration) * (over.times.length - 1);
+      const change = was && changed(one.value, was.value), row = model.places.get(one.signal) * over.times.length;
+      const place = told(motion.steady ? over.phiAt(one.time / over.duration) : one.time);
+      const words = `${one.name.split(" ")[0]} ${shown(one)} at ${place}${change ? ` (${change})` : ""}`;
+      const height = one.name === "stroke" ? over.found[row + Math.round(i)] : one.value * size;
+      return { signal: one.signal, time: one.time, height, words };
+    });
+  }
   /** A place of the axis in words. */
   function told(where) {
     return motion.steady ? angle(where) : `${Number((where / Math.abs(model.pace(design))).toPrecision(3))} s`;
   }
-  /** Show a share of the axis of the curves. */
-  function scrub(there) {
-    const [low, high] = curves.ends(over, before), [first, end_] = curves.ends(over);
-    play(false);
-    show(Math.min(1, Math.max(0, (low + there * (high - low) - first) / (end_ - first))));
+  /** Read the curves at a share of their axis, none without one; show it where the pointer is down. */
+  function point(there, isDown) {
+    if (there === null) pointed = null;
+    else {
+      const [low, high] = curves.ends(over, before), [first, end_] = curves.ends(over);
+      pointed = Math.min(1, Math.max(0, (low + there * (high - low) - first) / (end_ - first)));
+      if (isDown) {
+        play(false);
+        show(pointed);
+        return;
+      }
+    }
+    readOut();
+  }
+  function readOut() {
+    const there = pointed ?? share;
+    reading.textContent = `${axis} ${told(motion.steady ? over.phiAt(there) : there * over.duration)}`;
+    curves.point(over, before, there, (value) => shown({ value, unit: "" }).trim());
   }
   /** The position at a share of the motion; where there is none, the nearest one that there is. */
   function show(now) {
@@ -290,10 +332,11 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     at.textContent = angle(phi);
     place.value = Math.round(share * STEPS);
     place.ariaValueText = angle(phi);
-    curves.point(over, before, motion.steady ? over.phiAt(share) : share * over.duration);
+    frames += 1;
+    if (!playing || frames % EVERY === 0) readOut();
   }
   function stops() {
-    return over.stops.map(angle).join(" and ");
+    return [...new Set(over.stops.map((stop) => angle(stop).replace(/^360.0°$/, "0.0°")))].join(" and ");
   }
   function gap(one, two) {
     const d = Math.abs(one - two) % (2 * Math.PI);
@@ -317,7 +360,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   }
   function tick(now) {
     if (!playing || !element.isConnected) return;
-    const way = clock ? (now - clock) / 1000 / SECONDS : 0;
+    const way = clock ? (Number(pace.value) * (now - clock)) / 1000 / SECONDS : 0;
     clock = now;
     show((share + way) % 1);
     requestAnimationFrame(tick);
@@ -346,7 +389,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   }
   function changed(now, was) {
     if (!Number.isFinite(now) || !Number.isFinite(was) || !was || now === was) return "";
-    const percent = 100 * (now / was - 1);
+    const percent = 100 * (Math.abs(now / was) - 1); // of the size: a peak may change its sign
     return Math.abs(percent) < 0.05 ? "" : `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(1)} %`;
   }
 

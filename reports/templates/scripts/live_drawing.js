@@ -1,7 +1,7 @@
 "use strict";
 // The linkage as it stands, in lines that follow its points; a handle at every point that can be pulled.
 linkproof.liveDrawing = (data, model, pulled) => {
-  const SPACE = "http://www.w3.org/2000/svg", RIM = 34, TALL = 430, PIN = 5.5, GRIP = 16; // px
+  const SPACE = "http://www.w3.org/2000/svg", RIM = 34, PIN = 5.5, GRIP = 16; // px
   const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   const BLOCK = [[-11, -7.7], [11, -7.7], [11, 7.7], [-11, 7.7]];
   const FOOT = "M0 0L-8 13H8ZM-12 13H12M-10 18l4-5M-4 18l4-5M2 18l4-5M8 18l4-5";
@@ -27,7 +27,7 @@ linkproof.liveDrawing = (data, model, pulled) => {
   const isShared = (name) => bodies.filter(([, points]) => name in points).length > 1;
   const joined = new Set(names.filter((name) => ground.has(name) || slides(name) || isShared(name)));
   const free = names.filter((name) => !joined.has(name) && name !== data.output);
-  let view = { left: 0, top: 0, scale: 1, width: 600, height: TALL }, frame = null;
+  let view = { left: 0, top: 0, scale: 1, width: 600, height: 400 }, frame = null;
 
   for (const name of names) {
     const colour = name === data.output ? "c0" : `c${1 + (Math.max(free.indexOf(name), 0) % 5)}`;
@@ -128,8 +128,9 @@ linkproof.liveDrawing = (data, model, pulled) => {
     if (!x.length) return;
     const [left, right, bottom, top] = [Math.min(...x), Math.max(...x), Math.min(...y), Math.max(...y)];
     const least = (Math.max(right - left, top - bottom) || 1) / 1e3, width = svg.clientWidth || 600;
+    const tall = Math.min(430, (innerWidth > 900 ? 0.5 : 0.36) * innerHeight); // px: curves are seen beside or below it
     const across = (width - 2 * RIM) / Math.max(right - left, least);
-    const scale = Math.min(across, (Math.min(TALL, width) - 2 * RIM) / Math.max(top - bottom, least));
+    const scale = Math.min(across, (Math.min(tall, width) - 2 * RIM) / Math.max(top - bottom, least));
     const height = Math.max((top - bottom) * scale + 2 * RIM, 180);
     const [middle, centre] = [(left + right) / 2, (top + bottom) / 2];
     view = { scale, width, height, left: middle - (width / 2 - RIM) / scale, top: centre + (height / 2 - RIM) / scale };

@@ -4,7 +4,7 @@
  * @typedef {{name: string, group: string, label: string, unit: string, value: number, si: number, size: number,
  *   role: "given"|"table"|"sketch"|"speed"|"scale", load: number|null, offered: boolean}} LiveNumber
  * @typedef {Object<string, number>} Design changed numbers by name, in the units of the file
- * @typedef {{name: string, value: number, unit: string, isOpen: boolean}} Figure
+ * @typedef {{name: string, value: number, unit: string, isOpen: boolean, signal: string, time: number}} Figure
  */
 linkproof.liveModel = (formulas, data) => {
   const STEP = Math.PI / 360, FEWEST = 720, MOST = 2880; // rad, and intervals of a motion
@@ -200,6 +200,7 @@ linkproof.liveModel = (formulas, data) => {
     const moves = found.subarray(moving * count, (moving + 1) * count);
     const over = { ...way, found, moves, phi: way.followed[0], at: (time) => at(design, way, time), stops: [] };
     over.phiAt = (share) => along(way.segments, share * way.duration, 0);
+    over.pace = pace(design);
     for (let i = 1; i < count; i += 1) {
       const [good, bad] = moves[i] ? [i, i - 1] : [i - 1, i];
       if (!moves[i] !== !moves[i - 1]) over.stops.push(endOf(design, over.phi[good], over.phi[bad]));
@@ -242,12 +243,12 @@ linkproof.liveModel = (formulas, data) => {
       const peak = over.isWhole ? top(over, places.get(signal), measure, isQuick) : { height: NaN, time: 0 };
       const there = over.isWhole && sign === 0 ? over.at([peak.time])[places.get(signal)] : 1;
       const value = ((sign === 0 ? Math.sign(there) : sign) * peak.height) / size;
-      list.push({ name, unit, value, isOpen: isAtOpenEnd(over, peak.time) });
+      list.push({ name, unit, value, isOpen: isAtOpenEnd(over, peak.time), signal, time: peak.time });
     };
     const putMean = (name, signal, measure, of) => {
       const { unit, size } = results[places.get(signal)];
       const value = over.isWhole ? of(mean(over, places.get(signal), measure, isQuick)) / size : NaN;
-      list.push({ name, unit, value, isOpen: false });
+      list.push({ name, unit, value, isOpen: false, signal: "", time: 0 });
     };
     const force = motion.linear ? "force" : "torque";
     if (places.has("Mkr")) {
@@ -277,5 +278,5 @@ linkproof.liveModel = (formulas, data) => {
     return list;
   }
 
-  return { placed, whole, figures, value, inSI, byName, places, moving, pace };
+  return { placed, whole, figures, top, value, inSI, byName, places, moving, pace };
 };
