@@ -88,11 +88,11 @@ FAULTS = [
     (THREE_SLIDES, r"held by three sliding joints \(PPP\), which fix no position"),
     (
         _links(crank=CRANK, rod={"A": (0, 0), "P": (2, 0)}),
-        r"'rod' of 'sample' is held by too many joints \(pin 'P', pin 'A'\), so the linkage is locked",
+        r"'rod' of 'sample' is held by too many joints \(pin 'A', pin 'P'\), so the linkage is locked",
     ),
     (
         _links(crank=CRANK, rod={"A": (0, 0), **TWO_PINS}, rocker={"P": (0, 0), **TWO_PINS}),
-        r"'rocker' of 'sample' is held by too many joints \(pin 'P', pin 'B', pin 'C'\)",
+        r"'rocker', 'rod' of 'sample' are held by too many joints \(pin 'A', pin 'B', pin 'C', pin 'P'\)",
     ),
 ]
 
