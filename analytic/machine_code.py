@@ -165,7 +165,12 @@ class Traced(NDArrayOperatorsMixin):
         raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
 
     def looked_up(self, law: Law, order: int) -> list[Traced]:
-        """Components of a law of this angle, or of its derivative of an order: inputs, (law, order, component)."""
+        """Components of a law of this number, or of its derivative of an order.
+
+        Of φ they are inputs, (law, order, component); of S, which the list computes, they are computed by it, too.
+        """
+        if getattr(law, "over", "phi") == "S":
+            return law.formula(self)  # type: ignore[attr-defined,no-any-return]
         return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
@@ -200,7 +205,8 @@ SHAPING: Final[Mapping[Any, Callable[..., Any]]] = {
 # The signals of a linkage as one list of operations: of its crank angle, the crank's motion and numbers that vary.
 
 
-PHI, ACCELERATION = ("crank angle", "crank acceleration")  # no numbers' names
+# No numbers' names; the last is the output's coordinate from which loads over S count, m.
+PHI, ACCELERATION, ZERO_OF_S = ("crank angle", "crank acceleration", "zero of S")
 OF_DESIGN, OF_PLACE = 1, 2
 
 
@@ -221,7 +227,7 @@ class LinkageTrace:
     """Lines of the signals of designs that differ in ``varied`` numbers, and of whether all groups needed can move.
 
     ``determinants`` are those of the dyads, magnitudes. Inputs of the ``trace`` are the numbers by name, ``PHI``,
-    ``SPEED``, ``ACCELERATION`` and laws over φ, which are named (law, order, component).
+    ``SPEED``, ``ACCELERATION``, ``ZERO_OF_S`` and laws over φ, which are named (law, order, component).
     """
 
     trace: OperationList
@@ -256,7 +262,7 @@ class LinkageTrace:
         """
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
-            parts[line] = OF_DESIGN if name in self.varied else OF_PLACE
+            parts[line] = OF_DESIGN if name in {*self.varied, ZERO_OF_S} else OF_PLACE
         for line, operation in enumerate(self.trace.operations):
             if operation.name != INPUT:
                 for other in operation.operands:
@@ -293,7 +299,8 @@ def linkage_trace(
         mechanism.linkage, {name: trace.input(name) for name in sorted(varied)} | dict.fromkeys(zero, 0.0)
     )
     signs = tuple(dyad.sign for dyad in mechanism.structure.dyads)
-    sweep = TracedSweep(linkage, find_structure(linkage).with_signs(signs), trace.input(PHI))  # type: ignore[arg-type]
+    structure = find_structure(linkage).with_signs(signs)
+    sweep = TracedSweep(linkage, structure, trace.input(PHI), zero_of_s=lambda: trace.input(ZERO_OF_S))  # type: ignore[arg-type]
     at = MovingSweep(mechanism, sweep, trace.input(SPEED), trace.input(ACCELERATION) if accelerates else 0.0)  # type: ignore[arg-type]
     lines = tuple(trace.line(signal(at, name)) for name in signals)
     dyads = sweep.structure.dyads if all_groups else ()

@@ -141,7 +141,8 @@ class Abilities:
     """Abilities of an engine: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
     Every engine must support pins, gravity and constant forces; ``loads`` are the types of loads,
-    ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a
+    ``varying_loads`` whether they may change with φ, ``load_states`` whether they may depend on the whole state: on the
+    output's travel and direction, the angle of a body, the place of another; ``timed_torque`` whether a
     free crank's torque may change with time, ``massless`` whether a body may have no mass or no inertia,
     ``drivers`` what may drive. The adapter refuses other unsupported scenes
     (``Outcome.UNSUPPORTED``).
@@ -152,6 +153,7 @@ class Abilities:
     joints: frozenset[type]
     loads: frozenset[type]
     varying_loads: bool = True
+    load_states: bool = False
     massless: bool = True
     timed_torque: bool = False
     drivers: frozenset[DriverKind] = frozenset({DriverKind.CRANK})

@@ -71,12 +71,26 @@ class MujocoModel:
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
+    def loads(self, numbers: Mapping[str, int]) -> list[tuple[Any, ...]]:
+        """Forces and torques: body, anchor, law, what it is over and when it acts, frame, body of the reaction."""
+        ground = numbers[GROUND]
+        forces = [
+            (
+                numbers[load.body], complex(*load.anchor), plain_law(load.force), load.force.over, load.force.when,
+                numbers[load.frame], numbers[load.reaction],
+            )
+            for load in self.scene.forces
+        ]  # fmt: skip
+        torques = [(load.body, load.torque) for load in self.scene.torques]
+        return forces + [
+            (numbers[body], 0j, plain_law(law), law.over, law.when, ground, ground) for body, law in torques
+        ]
+
     def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
         """The model in plain data: its XML, and what XML does not have."""
         scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
         drive = scene.drive
         timed = drive.over_time if isinstance(drive, Free) else None
-        loads = [(numbers[load.body], complex(*load.anchor), plain_law(load.force)) for load in scene.forces]
         return {
             "xml": tostring(self.xml(recipe), encoding="unicode"),
             "settle": recipe.settle,
@@ -90,7 +104,12 @@ class MujocoModel:
             "bodies": {body.name: (body.angle, sorted(tree.hinges(body.name))) for body in scene.bodies},
             "speeds": {branch.body.name: self.speed(branch) for branch in tree.branches},
             "joints": self.joints(),
-            "loads": loads + [(numbers[load.body], 0j, plain_law(load.torque)) for load in scene.torques],
+            "loads": self.loads(numbers),
+            "travel": scene.travel
+            and (
+                numbers[scene.travel.body], complex(*scene.travel.anchor), complex(*scene.travel.along),
+                scene.travel.zero,
+            ),
             "springs": [
                 (
                     numbers[spring.first], complex(*spring.first_anchor), numbers[spring.second],
@@ -183,6 +202,7 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
+        load_states=True,
         massless=False,
         drivers=frozenset(DriverKind),
     )

@@ -141,12 +141,23 @@ def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, li
         row[1] += force.imag
         row[2] += (arm.conjugate() * force).imag
 
-    for body, anchor, law in given["loads"]:
-        components = law_values(law, angle)
-        if len(components) > 1:
-            push(body, anchor * direction[body], complex(*components))
-        else:
+    travel = advance = 0.0
+    if given["travel"]:
+        body, anchor, along, zero = given["travel"]
+        arm = anchor * direction[body]
+        travel = zero - (along.conjugate() * (centre[body] + arm)).real
+        advance = -(along.conjugate() * (velocity[body] + 1j * spin[body] * arm)).real
+    for body, anchor, law, over, when, frame, other in given["loads"]:
+        if when and (when == "advance") != (advance >= 0.0):
+            continue
+        components = law_values(law, travel if over == "S" else angle)
+        if len(components) == 1:
             rows[body][2] += components[0]
+            continue
+        arm, force = anchor * direction[body], complex(*components) * direction[frame]
+        push(body, arm, force)
+        if other < len(centre) - 1:  # what reacts is no ground
+            push(other, centre[body] + arm - centre[other], -force)
     for first, first_anchor, second, second_anchor, stiffness, free_length, damping in given["springs"]:
         arm, other = first_anchor * direction[first], second_anchor * direction[second]
         span = centre[first] + arm - centre[second] - other

@@ -84,16 +84,18 @@ class SlotJoint(GuidedJoint):
 
 @dataclass(frozen=True)
 class AppliedForce:
-    """Force on a body at an anchor; two components in the ground frame over the crank angle."""
+    """Force on a body at an anchor; two components in the ``frame`` of a body, and the reverse on the ``reaction``."""
 
     body: str
     anchor: Position
     force: Annotated[Law, Kind.FORCE]
+    frame: str = GROUND
+    reaction: str = GROUND
 
 
 @dataclass(frozen=True)
 class AppliedTorque:
-    """Torque on a body over the crank angle, one component."""
+    """Torque on a body, one component."""
 
     body: str
     torque: Annotated[Law, Kind.TORQUE]
@@ -132,6 +134,16 @@ class Cylinder:
     second: str
     first_anchor: Position
     second_anchor: Position
+
+
+@dataclass(frozen=True)
+class Travel:
+    """The output's travel S: from ``zero``, m, back along a direction of the ground, of a point of a body."""
+
+    body: str
+    anchor: Position
+    along: Direction
+    zero: Annotated[float, Kind.LENGTH]
 
 
 GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
@@ -192,6 +204,7 @@ class Scene:
     springs: tuple[PointSpring, ...] = ()
     dampers: tuple[TurnDamper, ...] = ()
     cylinder: Cylinder | None = None
+    travel: Travel | None = None  # where a load depends on it
 
     @property
     def driver_kind(self) -> DriverKind:
@@ -231,8 +244,13 @@ class Scene:
 # From a linkage and a start state to the scene an engine is given, with nothing in it that its motion can spare.
 
 
-def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel]) -> Scene:
-    """The whole input of an engine for a linkage; ``start`` holds every link as a body in its state."""
+def build_scene(
+    linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel], zero_of_s: float = 0.0
+) -> Scene:
+    """The whole input of an engine for a linkage; ``start`` holds every link as a body in its state.
+
+    ``zero_of_s`` is the output's coordinate, m, from which loads over S count.
+    """
     merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
         PinJoint(
@@ -257,8 +275,16 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
         gravity=linkage.gravity,
         drive=drive,
         channels=channels,
-        forces=tuple(AppliedForce(f.link, _anchor_of_point(linkage, f.point, f.link), f.force) for f in linkage.forces),
-        torques=tuple(AppliedTorque(t.link, t.torque) for t in linkage.torques),
+        forces=tuple(
+            AppliedForce(f.link, _anchor_of_point(linkage, f.point, f.link), f.force, f.frame, f.reaction or GROUND)
+            for f in linkage.forces
+        ),
+        torques=tuple(
+            AppliedTorque(body, law)
+            for t in linkage.torques
+            for body, law in ((t.link, t.torque), (t.reaction or GROUND, replace(t.torque, values=-t.torque.values)))
+            if body != GROUND
+        ),
         springs=tuple(
             PointSpring(
                 first=s.links[0],
@@ -273,7 +299,16 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
         ),
         dampers=tuple(TurnDamper(*damper.links, damper.coefficient) for damper in linkage.dampers),
         cylinder=_cylinder(linkage),
+        travel=_travel(linkage, zero_of_s),
     )
+
+
+def _travel(linkage: Linkage, zero: float) -> Travel | None:
+    """The output's travel, on which loads depend; None where none does."""
+    output = linkage.output
+    if output is None or not linkage.has_loads_of_output:
+        return None
+    return Travel(output.link, _anchor_of_point(linkage, output.point, output.link), output.along, zero)
 
 
 def _cylinder(linkage: Linkage) -> Cylinder | None:
@@ -297,7 +332,8 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
         and any(slider.link in pin.links for pin in linkage.pins)
         and not any(slider.link == other.guide.host for other in linkage.sliders)
         and not any(slider.link == slot.guide.host for slot in linkage.slots)
-        and not any(slider.link == torque.link for torque in linkage.torques)
+        and not any(slider.link in (torque.link, torque.reaction) for torque in linkage.torques)
+        and not any(slider.link in (force.frame, force.reaction) for force in linkage.forces)
         and not any(slider.link in damper.links for damper in linkage.dampers)
         and not (linkage.cylinder is not None and slider.link in linkage.cylinder.links)
     )

@@ -22,7 +22,15 @@ from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
-from analytic.machine_code import ACCELERATION, PHI, LinkageTrace, is_traceable, javascript_source, linkage_trace
+from analytic.machine_code import (
+    ACCELERATION,
+    PHI,
+    ZERO_OF_S,
+    LinkageTrace,
+    is_traceable,
+    javascript_source,
+    linkage_trace,
+)
 from comparisons.designer.building import OVER_RANGE
 from comparisons.designer.open_ends import MARGIN, open_ends
 from comparisons.designer.sheet import Sheet
@@ -223,7 +231,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
 MOST_OPERATIONS: Final = 12_000
 LEFT_OUT: Final = ("phi", "omega", "epsilon", signals.THREAD_FEED)  # the motion itself; what needs a search
 VELOCITIES: Final = (":vx", ":vy", ":ax", ":ay", ":omega", ":alpha")
-ALWAYS: Final = (PHI, SPEED, ACCELERATION)  # of a row, in this order
+ALWAYS: Final = (PHI, SPEED, ACCELERATION, ZERO_OF_S)  # of a row, in this order
 
 
 @dataclass(frozen=True)
@@ -256,6 +264,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     data = {
         "rows": [[laws.index(law), component] for law, _, component in looked_up],
         "laws": [_law(law, mechanism) for law in laws],
+        "overTravel": ZERO_OF_S in listed.trace.inputs,
         "motion": _motion(motion, is_linear=mechanism.linkage.is_linear) | {"open": _open_places(mechanism, motion)},
         "results": [_result(name, mechanism) for name in results(mechanism)],
         "groups": [
@@ -287,7 +296,7 @@ def load_of(number: Number, linkage: Linkage) -> int | None:
 def is_of_table(number: Number, linkage: Linkage) -> bool:
     """Whether a number is a value of a load over φ, which is looked up."""
     load = load_of(number, linkage)
-    return load is not None and not loads(linkage)[load].is_constant
+    return load is not None and loads(linkage)[load].angles is not None and loads(linkage)[load].over == "phi"
 
 
 def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
@@ -305,8 +314,7 @@ def _law(law: Law, mechanism: Mechanism) -> dict[str, Any]:
     """A load over φ as cubics, and which it is."""
     knots, pieces = law.pieces()
     load = [curve is law for curve in loads(mechanism.linkage)].index(True)
-    period = FULL_TURN if law.periodic else 0
-    return {"knots": knots, "pieces": pieces, "period": period, "corners": law.corners, "load": load}
+    return {"knots": knots, "pieces": pieces, "period": law.period or 0, "corners": law.corners, "load": load}
 
 
 def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:

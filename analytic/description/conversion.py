@@ -58,8 +58,10 @@ def _force(reader: Reader, table: doc.ForceTable, number: int) -> PointForce:
     """A force at a point in SI units."""
     where = f"forces.{number}"
     rows = table.force if isinstance(table.force, list) else [table.force]
-    link = reader.owner(table.point, table.link, where)
-    return PointForce(table.point, link, interpolated_law(reader, table, rows, where), number)
+    link, reaction = _bodies_of_load(reader, table, table.link, where)
+    link = reader.owner(table.point, link, where)
+    frame = reader.body(table.frame, f"{where}.frame")
+    return PointForce(table.point, link, interpolated_law(reader, table, rows, where), number, frame, reaction)
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
@@ -73,24 +75,45 @@ def _torque(reader: Reader, table: doc.TorqueTable, number: int) -> LinkTorque:
     where = f"torques.{number}"
     values = table.torque if isinstance(table.torque, list) else [table.torque]
     law = interpolated_law(reader, table, [(value,) for value in values], where)
-    return LinkTorque(reader.body(table.link, where), law, number)
+    link, reaction = _bodies_of_load(reader, table, table.link, where)
+    if link is None:
+        raise reader.fail(f"{where}.link is missing: expected {EXPECTED['link']}; add it, or between = [link, other]")
+    return LinkTorque(reader.body(link, where), law, number, reaction)
+
+
+def _bodies_of_load(
+    reader: Reader, table: doc.LoadTable, link: str | None, where: str
+) -> tuple[str | None, str | None]:
+    """The body on which a load acts, if it is named, and the body on which its reverse acts, if there is one."""
+    if table.between is None:
+        return link, None
+    first, second = (reader.body(name, f"{where}.between") for name in table.between)
+    if first == second or link not in (None, first):
+        raise reader.fail(
+            f"{where}.between: expected the loaded link and another body that takes the reaction, got '{first}' and "
+            f"'{second}'{f' beside link = {link!r}' if link else ''}; correct it"
+        )
+    if first == GROUND:
+        raise reader.fail(f"{where}.between: expected a link first, on which the load acts, got '{GROUND}'; swap them")
+    return first, second
 
 
 def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
     """The key by which loads of a kind are sorted: bodies and points, then numbers."""
     match load:
         case PointForce():
-            return (load.point, load.link, _law_key(load.force))
+            return (load.point, load.link, _law_key(load.force), load.frame, load.reaction or "")
         case LinkTorque():
-            return (load.link, _law_key(load.torque))
+            return (load.link, _law_key(load.torque), load.reaction or "")
         case Spring():
             return (load.points, load.links, load.stiffness, load.length, load.damping)
     return (load.links, load.coefficient)
 
 
-def _law_key(law: Law) -> tuple[bytes, bytes, bool]:
+def _law_key(law: Law) -> tuple[object, ...]:
     """The part of a sort key that tells two laws apart."""
-    return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes(), law.linear
+    places = b"" if law.angles is None else law.angles.tobytes()
+    return law.values.tobytes(), places, law.linear, law.over, law.when or "", law.period or 0.0
 
 
 def springs(reader: Reader) -> tuple[Spring, ...]:

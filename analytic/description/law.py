@@ -1,14 +1,14 @@
-"""A load as a function of the driver's coordinate φ: constant, or a table over φ made into a cubic spline or lines.
+"""A load as a function of a coordinate: constant, or a table made into a cubic spline or lines.
 
-Over a crank angle the table is closed into a period. Over a travel it is not: beyond its ends the load keeps its last
-value.
+The coordinate is φ, the driver's, or S, the output's travel from its top dead centre. Over a crank angle the table is
+closed into a period, of one turn or of two. Over a travel it is not: beyond its ends the load keeps its last value.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,28 +39,33 @@ class TimeLaw:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A scalar or a vector that depends on the crank angle alone.
+    """A scalar or a vector that depends on the linkage's place, and on which way it moves, alone.
 
     ``values`` has shape (k,) for a constant of k components; with ``angles`` of shape (n,), rad, increasing and
-    spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it. One that is
-    not ``periodic`` is over a travel, m: a not-a-knot spline, constant beyond its ends. Between the values of one that
+    spanning less than one ``period``, rad, it has shape (n, k) and the law is the periodic cubic spline through it. One
+    without a period is over a travel, m: a not-a-knot spline, constant beyond its ends. Between the values of one that
     is ``linear`` are straight lines instead; its derivative at an angle of the table is that of the line behind it.
+
+    ``over`` says what ``angles`` are of: φ, or S, m. With ``when`` the law is zero while the output does not
+    "advance", so that S grows, or "return".
     """
 
     values: NDArray[np.float64]
     angles: NDArray[np.float64] | None = field(default=None)
-    periodic: bool = True
+    period: float | None = FULL_TURN
     linear: bool = False
+    over: Literal["phi", "S"] = "phi"
+    when: Literal["advance", "return"] | None = None
 
     @property
     def is_constant(self) -> bool:
-        """Whether the law ignores φ, so that an engine can set it once."""
-        return self.angles is None
+        """Whether the law ignores the motion, so that an engine can set it once."""
+        return self.angles is None and self.when is None
 
     @property
     def corners(self) -> tuple[float, ...]:
         """Where the law has a corner, rad or m: the angles of straight lines, and the ends of a table over a travel."""
-        if self.angles is None or not (self.linear or not self.periodic):
+        if self.angles is None or not (self.linear or not self.period):
             return ()
         return tuple((self.angles if self.linear else self.angles[[0, -1]]).tolist())
 
@@ -71,13 +76,13 @@ class Law:
 
         assert self.angles is not None
         knots, values = self.angles, self.values
-        if self.periodic:
-            knots, values = np.append(knots, knots[0] + FULL_TURN), np.vstack([values, values[:1]])
+        if self.period:
+            knots, values = np.append(knots, knots[0] + self.period), np.vstack([values, values[:1]])
         if not self.linear:
-            return CubicSpline(knots, values, bc_type="periodic" if self.periodic else "not-a-knot")
+            return CubicSpline(knots, values, bc_type="periodic" if self.period else "not-a-knot")
         slopes = np.diff(values, axis=0) / np.diff(knots)[:, None]
         cubics = np.stack([np.zeros_like(slopes), np.zeros_like(slopes), slopes, values[:-1]])
-        return PPoly(cubics, knots, extrapolate="periodic" if self.periodic else None)
+        return PPoly(cubics, knots, extrapolate="periodic" if self.period else None)
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
@@ -88,14 +93,33 @@ class Law:
             array: NDArray[np.float64] = angle.looked_up(self, order)
             return array
         angle = np.asarray(angle, dtype=float)
-        if self.periodic:
+        if self.period:
             return np.moveaxis(np.asarray(self._curve(angle, order)), -1, 0)
         within = np.clip(angle, self.angles[0], self.angles[-1])
         inside = (within == angle) | (order == 0)
         return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
+    def formula(self, place: Any) -> list[Any]:  # noqa: ANN401 - a traced number
+        """Components at a place that is a number of a list of operations: the cubics, chosen without branches."""
+        knots, pieces = self.pieces()
+        within = np.minimum(np.maximum(place, knots[0]), knots[-1])
+        begun = [within >= knot for knot in knots[1 : len(pieces)]]
+
+        def chosen(values: list[float]) -> Any:  # noqa: ANN401
+            result: Any = values[0]
+            for has_begun, value in zip(begun, values[1:], strict=True) if any(values) else ():
+                result = np.where(has_begun, value, result)
+            return result
+
+        x = within - chosen(knots[: len(pieces)])
+        parts = []
+        for component in zip(*pieces, strict=True):
+            a, b, c, d = (chosen(list(power)) for power in zip(*component, strict=True))
+            parts.append(a + x * (b + x * (c + x * d)))
+        return parts
+
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """A law over φ as data: knots, rad or m, and coefficients of cubics from each on, by component and power."""
+        """A table as data: knots, rad or m, and coefficients of cubics from each on, by component and power."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 
@@ -115,7 +139,7 @@ class LawOfNumbers(Law):
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
         unit = np.eye(len(rows))
-        shares = Law(unit[0] if self.angles is None else unit, self.angles, self.periodic, self.linear)
+        shares = Law(unit[0] if self.angles is None else unit, self.angles, self.period, self.linear, self.over)
         weights = shares(angle, order)
         return tuple(
             sum(weight * row[part] for weight, row in zip(weights, rows, strict=True)) for part in range(parts)

@@ -19,14 +19,11 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analytic.description.crank_motion import CrankMotion, degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
 from analytic.description.units import Kind, factor
-from analytic.description.walk import Keys, Number, number_fields, walk
+from analytic.description.walk import ANGLES, Keys, Number, number_fields, walk
 
 GROUND: Final = "ground"
 
@@ -127,21 +124,27 @@ class Slot:
 
 @dataclass(frozen=True)
 class PointForce:
-    """A force on ``link`` at ``point``, components in the ground frame, constant or a law of φ."""
+    """A force on ``link`` at ``point``, constant or a law, components in the ``frame`` of a body.
+
+    It comes from outside, or is one between two bodies: its reverse acts on the body ``reaction`` at the same place.
+    """
 
     point: str
     link: str
     force: Annotated[Law, Kind.FORCE]
     number: int = field(default=0, compare=False, repr=False)
+    frame: str = GROUND
+    reaction: str | None = None
 
 
 @dataclass(frozen=True)
 class LinkTorque:
-    """A torque on ``link``, counter-clockwise positive, constant or a law of φ."""
+    """A torque on ``link``, counter-clockwise positive, constant or a law, and its reverse on ``reaction`` if any."""
 
     link: str
     torque: Annotated[Law, Kind.TORQUE]
     number: int = field(default=0, compare=False, repr=False)
+    reaction: str | None = None
 
 
 @dataclass(frozen=True)
@@ -307,7 +310,7 @@ class Linkage:
         result: dict[str, Number] = {}
         every = [number for part in NAMED_PARTS for number in self.numbers_of(part)]
         for number in sorted(every, key=lambda number: number.path[0] != "links" or number.path[2] == "points"):
-            if number.kind is Kind.COORDINATE:
+            if number.kind is Kind.COORDINATE or ANGLES in number.path:
                 continue
             name = _name(self, number.path)
             counted = (f"{name} #{count}" for count in itertools.count(2))
@@ -339,14 +342,25 @@ class Linkage:
         """A value of φ, rad or m, in words with its name: "crank angle 30°"."""
         return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
 
-    def load_corners(self, low: float, high: float) -> NDArray[np.float64]:
-        """The values of φ between two others, rad or m, ascending, at which a load over φ has a corner."""
-        laws = [*(force.force for force in self.forces), *(torque.torque for torque in self.torques)]
-        places = np.array([corner for law in laws for corner in law.corners])
-        if not self.is_linear:
-            turns = np.arange(np.floor(low / FULL_TURN) - 1.0, np.ceil(high / FULL_TURN) + 1.0)
-            places = np.ravel(places[:, None] + FULL_TURN * turns)
-        return np.unique(places[(places > low) & (places < high)])
+    @property
+    def applied(self) -> tuple[PointForce | LinkTorque, ...]:
+        """All forces and torques."""
+        return (*self.forces, *self.torques)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws of all forces and torques."""
+        return (*(force.force for force in self.forces), *(torque.torque for torque in self.torques))
+
+    @property
+    def has_loads_of_output(self) -> bool:
+        """Whether a load depends on the output's travel S or on its direction."""
+        return any(law.over == "S" or law.when for law in self.laws)
+
+    @property
+    def load_period(self) -> float:
+        """The crank's way, rad, after which loads over it repeat: a turn or two."""
+        return max((law.period for law in self.laws if law.period and not law.is_constant), default=FULL_TURN)
 
     @property
     def released(self) -> dict[str, ReleasedRegime]:
@@ -421,4 +435,4 @@ def _name(linkage: Linkage, path: Keys) -> str:
 
 def _row(law: Law, row: str | int) -> tuple[str, ...]:
     """The row of a load's table in a name; a constant load has none."""
-    return () if law.is_constant else (str(row),)
+    return () if law.angles is None else (str(row),)

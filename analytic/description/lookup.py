@@ -149,17 +149,48 @@ def interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], where: str
 ) -> Law:
     """The law of a force or torque, by a spline or by straight lines as the table says."""
-    law = law_over_angle(reader, rows, table.angle, where)
-    if table.interpolation and law.is_constant:
+    is_over_travel = table.over == "S"
+    if (is_over_travel or table.when) and (reader.is_linear or reader.document.output is None):
+        key = "over" if is_over_travel else "when"
+        cure = "give the load over the driver's travel, with angle" if reader.is_linear else "add output = { point }"
         raise reader.fail(
-            f"{where}.interpolation: expected a list of values over angle = [...] beside it, got one value; leave it "
-            "out"
+            f"{where}.{key}: expected an output that a turning crank moves, whose travel and direction are meant, got "
+            f"none; {cure}"
         )
-    return replace(law, linear=table.interpolation == "linear")
+    places, other = (table.travel, "angle") if is_over_travel else (table.angle, "travel")
+    if getattr(table, other) is not None or (is_over_travel and places is None):
+        wanted = "travel = [...] with over = 'S', angle = [...] without" if not is_over_travel else "travel = [...]"
+        raise reader.fail(f"{where}.{other if places is None else 'over'}: expected {wanted}; correct it")
+    law = law_over_angle(reader, rows, places, where, period=_period(reader, table, where))
+    for key in ("interpolation", "period"):
+        if getattr(table, key) and law.angles is None:
+            raise reader.fail(
+                f"{where}.{key}: expected a list of values over angle = [...] beside it, got one value; leave it out"
+            )
+    return replace(law, linear=table.interpolation == "linear", over=table.over, when=table.when)
 
 
-def law_over_angle(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, where: str) -> Law:
-    """The law through rows of components; one row without angles is a constant."""
+def _period(reader: Reader, table: doc.LoadTable, where: str) -> float | None:
+    """The period of a load's table, rad: of one turn or two; None over a travel."""
+    if reader.is_linear or table.over == "S":
+        if table.period is not None:
+            raise reader.fail(f"{where}.period: expected no period of a load over a travel; leave it out")
+        return None
+    turns = 1.0 if table.period is None else table.period / FULL_TURN
+    if not any(abs(turns - whole) < LEAST_STEP for whole in (1.0, 2.0)):
+        raise reader.fail(f"{where}.period: expected one turn or two, got {turns:.4g} turns; write 360 or 720 degrees")
+    return round(turns) * FULL_TURN
+
+
+def law_over_angle(
+    reader: Reader,
+    rows: Sequence[tuple[float, ...]],
+    angles: list[float] | None,
+    where: str,
+    *,
+    period: float | None = FULL_TURN,
+) -> Law:
+    """The law through rows of components; one row without angles is a constant. Without a period it is of a travel."""
     table = np.array(rows, dtype=float)
     if angles is None:
         if len(table) != 1:
@@ -168,23 +199,23 @@ def law_over_angle(reader: Reader, rows: Sequence[tuple[float, ...]], angles: li
                 "and no angles; add angle"
             )
         return Law(table[0])
-    phi, angle_unit = np.asarray(angles, dtype=float), reader.unit(Kind.COORDINATE)
+    phi, angle_unit = np.asarray(angles, dtype=float), reader.unit(Kind.COORDINATE if period else Kind.LENGTH)
     written = phi / angle_unit.size
-    periodic = not reader.is_linear
     if len(table) != len(phi) or len(phi) < 3:
         raise reader.fail(
             f"{where}: expected as many values as angles and at least 3 of each, got {len(table)} values and "
             f"{len(phi)} angles; complete the shorter list"
         )
-    if np.any(np.diff(phi) < LEAST_STEP) or (periodic and phi[-1] - phi[0] >= FULL_TURN):
-        if not periodic:
+    if np.any(np.diff(phi) < LEAST_STEP) or (period and phi[-1] - phi[0] >= period):
+        if not period:
             raise reader.fail(
-                f"{where}.angle: expected increasing travels of the driver, got steps of {min(np.diff(written)):g} "
-                f"{angle_unit.name} and more; sort them"
+                f"{where}: expected increasing travels, got steps of {min(np.diff(written)):g} {angle_unit.name} and "
+                "more; sort them"
             )
+        turns = "one turn" if period == FULL_TURN else "two turns"
         raise reader.fail(
-            f"{where}.angle: expected increasing angles that span less than one turn, since the law repeats with the "
-            f"turn, got {written[0]:g} to {written[-1]:g} in steps of "
+            f"{where}.angle: expected increasing angles that span less than {turns}, after which the law repeats, "
+            f"got {written[0]:g} to {written[-1]:g} in steps of "
             f"{min(np.diff(written)):g} and more; sort them, and leave out a last one that repeats the first"
         )
-    return Law(table, phi, periodic)
+    return Law(table, phi, period)

@@ -79,23 +79,32 @@ class SlotTable(TomlTable):
     along: Pair
 
 
-class ForceTable(TomlTable):
-    """A force at a point: one pair, or a list of pairs over ``angle``, joined by a spline or by straight lines."""
+class LoadTable(TomlTable):
+    """A load: one value, or a list over ``angle`` or ``travel``, joined by a spline or by straight lines."""
+
+    over: Literal["phi", "S"] = "phi"
+    angle: list[Coordinate] | None = None
+    travel: Annotated[list[Finite], Kind.LENGTH] | None = None
+    period: Annotated[Finite, Kind.ANGLE] | None = None
+    interpolation: Literal["spline", "linear"] | None = None
+    when: Literal["advance", "return"] | None = None
+    between: tuple[str, str] | None = None
+
+
+class ForceTable(LoadTable):
+    """A force at a point of a link, its components along the axes of the ground or of the link ``frame``."""
 
     point: str
     link: str | None = None
     force: Annotated[Pair | list[Pair], Kind.FORCE]
-    angle: list[Coordinate] | None = None
-    interpolation: Literal["spline", "linear"] | None = None
+    frame: str = "ground"
 
 
-class TorqueTable(TomlTable):
-    """A torque on a link: a number, or a list of numbers over ``angle``, joined by a spline or by straight lines."""
+class TorqueTable(LoadTable):
+    """A torque on a link."""
 
-    link: str
+    link: str | None = None
     torque: Annotated[Finite | list[Finite], Kind.TORQUE]
-    angle: list[Coordinate] | None = None
-    interpolation: Literal["spline", "linear"] | None = None
 
 
 class SpringTable(TomlTable):

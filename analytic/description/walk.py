@@ -36,8 +36,9 @@ def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Numbe
             else:
                 yield from walk(inner, kind, (*path, key))
     elif isinstance(part, Law):
+        places = Kind.COORDINATE if part.over == "phi" else Kind.LENGTH
         for key, row in _rows(part).items():
-            yield from walk(row, Kind.COORDINATE if key == ANGLES else kind, (*path, key))
+            yield from walk(row, places if key == ANGLES else kind, (*path, key))
     elif fields := number_fields(part.__class__):
         for name, own in fields.items():
             yield from walk(getattr(part, name), own, (*path, name))
@@ -75,7 +76,7 @@ def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
     angles = np.array(rows.pop(ANGLES)) if law.angles is not None else None
     flat = tuple(value for row in rows.values() for value in row)
     if not all(isinstance(value, float | int) for value in flat):
-        return LawOfNumbers(law.values, angles, law.periodic, law.linear, flat)
+        return LawOfNumbers(law.values, angles, law.period, law.linear, law.over, law.when, flat)
     return replace(law, values=np.reshape(flat, law.values.shape), angles=angles)
 
 

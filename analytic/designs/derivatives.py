@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import SPEED, design_numbers, with_numbers
-from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of
@@ -34,7 +33,7 @@ from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import is_traceable
 from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual
-from analytic.numerics.refine import ROUNDING, tops
+from analytic.numerics.refine import ROUNDING, grid, tops
 from analytic.numerics.roots import roots
 from analytic.signals import OUTPUT_COORDINATE, MovingSweep, is_angle, signal
 
@@ -60,7 +59,8 @@ def signal_values(
     Raises AssemblyError where the design cannot be assembled.
     """
     if is_exact(mechanism):
-        sweep = Sweep(*_Design(mechanism, parameters, speed).plain, angle)
+        design = _Design(mechanism, parameters, speed)
+        sweep = design.sweep(design.plain, angle)
     else:
         sweep = _sweep(mechanism, parameters, angle)
     _check_moves(sweep)
@@ -184,11 +184,27 @@ class _Design:
     def _moving(self, model: LinkageAndStructure, angle: Any, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
         """The design in motion at crank angles, rad; S counts from the coordinate ``zero_of_s``, m."""
         speed = speed_of(self._numbers_with_slopes if model is self._with_derivatives else self.parameters, self.speed)
-        return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), zero_of_s)
+        return MovingSweep(self.mechanism, self.sweep(model, angle), speed, np.asarray(0.0), zero_of_s)
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
-        _check_moves(Sweep(*self.plain, places))
+        _check_moves(self.sweep(self.plain, places))
+
+    def sweep(self, model: LinkageAndStructure, angle: Any) -> Sweep:  # noqa: ANN401 - plain or dual
+        """The design at crank angles, rad."""
+        is_plain = model is self.plain
+        return Sweep(*model, angle, zero_of_s=lambda: self._zero_of_s.value if is_plain else self._zero_of_s)
+
+    @property
+    def _mechanism_of_loads(self) -> Mechanism:
+        """A mechanism in which loads have their corners where they have them in this design."""
+        moves = self.mechanism.linkage.has_loads_of_output
+        return self.mechanism.redesigned(self.plain[0]) if moves else self.mechanism
+
+    @cached_property
+    def _zero_of_s(self) -> Dual:
+        """The output's coordinate at the top dead centre, m, from which loads over S count, with its derivatives."""
+        return self.farthest(grid(), refine=True)
 
     def varied(self, places: Array, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - a dual
         """The design in motion at crank angles, rad, in numbers that carry their derivatives."""
@@ -209,7 +225,7 @@ class _Design:
         """Value of every extreme and its derivatives (parameters,)."""
         if not extremes:
             return []
-        grid = _with_period_end(places) if refine else places
+        grid = _with_period_end(places, self.mechanism.linkage.load_period) if refine else places
         top = zero_of_s.value if isinstance(zero_of_s, Dual) else zero_of_s
         plain = self._moving(self.plain, grid, top)
         sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in extremes])
@@ -244,11 +260,8 @@ class _Design:
             spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
             return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
-        means = (
-            averages(integrands, mean_cells(_with_period_end(places), self.mechanism.linkage))[:, 0].tolist()
-            if figures
-            else []
-        )
+        ends = _with_period_end(places, self.mechanism.linkage.load_period)
+        means = averages(integrands, mean_cells(ends, self._mechanism_of_loads))[:, 0].tolist() if figures else []
         result = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
@@ -328,9 +341,9 @@ def _values_and_slopes(number: Any, count: int) -> tuple[Array, Array]:  # noqa:
     return number, np.zeros((count, *np.shape(number)))
 
 
-def _with_period_end(places: Array) -> Array:
-    """Crank angles of a full turn with the end of the turn added; others as they are."""
-    return np.append(places, places[0] + FULL_TURN) if is_turn(places) else places
+def _with_period_end(places: Array, period: float) -> Array:
+    """Crank angles that divide a period evenly with its end added; others as they are."""
+    return np.append(places, places[0] + period) if is_turn(places, period) else places
 
 
 def _sweep(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> Sweep:

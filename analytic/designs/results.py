@@ -115,6 +115,7 @@ def reduced_figures(
     given, of_rows = listed.split_inputs([result.line for result in gathered.results])
     function = StraightFunction(listed.trace, given, of_rows, gathered.results)
     rows = np.stack(_row_numbers(request, listed, of_rows), axis=1)
+    arrays = {**arrays, **request.designs(arrays).zero_of_s}
     count = len(next(iter(arrays.values())))
     values, doubtful = np.full((len(request.figures), count), np.nan), np.zeros(count, dtype=bool)
     steep = [place for name, place in gathered.places.items() if name.startswith("steep")]
@@ -213,8 +214,9 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
 
 
 def period_of(mechanism: Mechanism, places: Array) -> float | None:
-    """The period, rad, of crank angles that divide a turn evenly, its end left out; None for any others."""
-    return None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
+    """The period of loads, rad, which crank angles divide evenly, its end left out; None for any others."""
+    period = mechanism.linkage.load_period
+    return None if mechanism.linkage.is_linear or not is_turn(places, period) else period
 
 
 def _check_names(mechanism: Mechanism, figures: Sequence[Figure]) -> None:
@@ -225,7 +227,7 @@ def _check_names(mechanism: Mechanism, figures: Sequence[Figure]) -> None:
             raise UnknownNameError("signal", figure.signal, known)
 
 
-def is_turn(places: Array) -> bool:
-    """Whether crank angles, rad, divide a turn evenly, the end left out."""
-    step = FULL_TURN / len(places)
+def is_turn(places: Array, period: float = FULL_TURN) -> bool:
+    """Whether crank angles, rad, divide a turn, or another period, evenly, the end left out."""
+    step = period / len(places)
     return bool(np.all(np.abs(np.diff(places) - step) <= EVEN * step))

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.sampled_signals import (
     BLOCK,
@@ -23,6 +22,7 @@ from analytic.designs.sampled_signals import (
     divided_steps,
     with_neighbours,
 )
+from analytic.kinematics.dead_centres import load_corners
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import SAME, averages
 from analytic.numerics.dual import Dual
@@ -190,7 +190,7 @@ class _Chunk:
         left, names = np.flatnonzero(few & ~self.faulty), {quantity.signal for quantity in figures.values()}
         if len(left) and "S" in names and not self.request.refine:
             self.farthest = self._highest_output()
-        crank_angles, linkage = self.request.crank_angles, self.request.mechanism.linkage
+        crank_angles, mechanism = self.request.crank_angles, self.request.mechanism
         for start in range(0, len(left), TOGETHER):
             here = left[start : start + TOGETHER]
             grid = np.broadcast_to(crank_angles, (len(here), len(crank_angles)))
@@ -208,7 +208,7 @@ class _Chunk:
                 )
 
             for (row, figure), mean in zip(
-                figures.items(), averages(integrands, mean_cells(self.request.grid, linkage), len(here)), strict=False
+                figures.items(), averages(integrands, mean_cells(self.request.grid, mechanism), len(here)), strict=False
             ):
                 result[row, here] = figure.of_mean(mean)
 
@@ -230,14 +230,14 @@ class _Chunk:
         grid, period = self.request.grid, self.request.period
         if period is not None:
             for name, values in sampled.items():
-                turns = np.round((values[:, -1:] - values[:, :1]) / period) if is_angle(name) else 0.0
-                sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)
+                turns = np.round((values[:, -1:] - values[:, :1]) / FULL_TURN) if is_angle(name) else 0.0
+                sampled[name] = np.concatenate([values, values[:, :1] + FULL_TURN * turns], axis=1)
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
     def _enter_corners(self, extremes: MarkedExtremes, here: Integers) -> None:
         """Enter the corners of loads over φ as tops between the crank angles on either side."""
-        grid, linkage = self.request.grid, self.request.mechanism.linkage
-        corners = linkage.load_corners(float(grid[0]), float(grid[-1]))
+        grid = self.request.grid
+        corners = load_corners(self.request.mechanism, float(grid[0]), float(grid[-1]))
         step = np.searchsorted(grid, corners)
         around = np.stack([grid[step - 1], corners, grid[step]], axis=1)[corners < grid[step]]
         extremes = {extreme: parts for extreme, parts in extremes.items() if not is_angle(extreme.signal)}
@@ -328,9 +328,9 @@ def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
     return np.abs(whole - half) <= SAME * size
 
 
-def mean_cells(grid: Array, linkage: Linkage) -> Array:
+def mean_cells(grid: Array, mechanism: Mechanism) -> Array:
     """The ends, rad, of the cells from which means over a grid's whole length are integrated, cut at loads' corners."""
-    return np.union1d(np.linspace(grid[0], grid[-1], CELLS + 1), linkage.load_corners(grid[0], grid[-1]))
+    return np.union1d(np.linspace(grid[0], grid[-1], CELLS + 1), load_corners(mechanism, grid[0], grid[-1]))
 
 
 def unwrapped_near(values: Any, phi: Array, places: Array, samples: Array | None) -> Any:  # noqa: ANN401 - plain or dual

@@ -8,7 +8,7 @@ anew.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final, NamedTuple
 
@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import SPEED, design_numbers, with_numbers
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import (
+    ZERO_OF_S,
     LinkageTrace,
     Result,
     StraightFunction,
@@ -29,7 +31,8 @@ from analytic.machine_code import (
     is_worthwhile,
     linkage_trace,
 )
-from analytic.signals import THREAD_FEED, MovingSweep, check_signals, is_wrapped, signal
+from analytic.numerics.roots import roots
+from analytic.signals import OUTPUT_COORDINATE, THREAD_FEED, MovingSweep, check_signals, is_wrapped, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -39,6 +42,7 @@ Booleans = NDArray[np.bool_]
 # a tenth, 3072 cost half as much again.
 BLOCK: Final = 9216
 ONE_ROW: Final = np.empty((1, 0))
+TURN: Final = 720  # crank angles at which the top dead centre is looked for
 
 
 class DesignSamples(NamedTuple):
@@ -102,6 +106,7 @@ class Designs:
 
         A design that cannot be assembled as its sketch shows it, where it has to be followed from there, is left out.
         """
+        self.zero_of_s  # noqa: B018 - known before threads ask for it
 
         def part(start: int) -> None:
             with np.errstate(all="ignore"):
@@ -117,7 +122,7 @@ class Designs:
         trace = self.trace
         assert trace is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
-        numbers = {name: values[rows, None] for name, values in self.arrays.items()}
+        numbers = {name: values[rows, None] for name, values in {**self.arrays, **self.zero_of_s}.items()}
         known = trace.values(numbers, places, speed_of(numbers, self.speed), self.acceleration)
         function = self._machine_code
         if function is None:
@@ -138,6 +143,27 @@ class Designs:
             np.broadcast_to(np.asarray(moves, dtype=bool), phi.shape),
             np.reshape(full[len(names) :], (-1, *phi.shape)),
         )
+
+    @cached_property
+    def zero_of_s(self) -> Mapping[str, Array]:
+        """By ``ZERO_OF_S`` the output's coordinate at the top dead centre (designs,), m; empty if no load is over S."""
+        if self.trace is None or ZERO_OF_S not in self.trace.trace.inputs:
+            return {}
+        turn, step = np.arange(TURN) * (FULL_TURN / TURN), FULL_TURN / TURN
+        result = np.full(self.count, np.nan)
+        outputs = replace(self, signals=(OUTPUT_COORDINATE, "v"), speed=-1.0, acceleration=0.0)  # v is its derivative
+
+        def work(rows: Integers, sampler: Sampler) -> None:
+            def seen(name: str, phi: Array) -> Array:
+                return sampler(rows, phi, (name,)).signals[name]
+
+            heights = seen(OUTPUT_COORDINATE, np.broadcast_to(turn, (len(rows), TURN)))
+            near = turn[np.argmax(heights, axis=1)]
+            top = roots(lambda phi: seen("v", phi[:, None])[:, 0], near - step, near, near + step)
+            result[rows] = seen(OUTPUT_COORDINATE, top[:, None])[:, 0]
+
+        outputs.in_blocks(max(1, BLOCK // TURN), work)
+        return {ZERO_OF_S: result}
 
     def _unwrapped(self, name: str, values: Array) -> Array:
         """An angle of a link unwrapped along the crank angles; any other signal as it is."""
@@ -170,7 +196,7 @@ class Designs:
     def _swept_samples(self, design: Mechanism, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
         """Samples of one design, the same at every row of the crank angles."""
         faults = np.zeros(phi.shape, dtype=bool)
-        sweep = Sweep(design.linkage, design.structure, phi, faults)
+        sweep = Sweep(design.linkage, design.structure, phi, faults, zero_of_s=design.zero_of_s)
         for body in design.structure.bodies if self.all_groups else ():
             sweep.rates(body)
         speed = speed_of({name: values[rows[0]] for name, values in self.arrays.items()}, self.speed)

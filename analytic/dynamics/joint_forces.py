@@ -23,7 +23,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import GROUND, Link, RotaryDamper, Spring, Vector
+from analytic.description.linkage import GROUND, Link, LinkTorque, PointForce, RotaryDamper, Spring, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, cross, dot
 from analytic.kinematics.structure import (
@@ -79,14 +79,15 @@ class LoadedSweep:
     def external_loads(self) -> Iterator[Load]:
         """Weights, inertia forces, forces at points and torques on links: loads without a reaction on the linkage."""
         yield from (self._mass_load(link) for link in self.linkage.links.values())
-        for force in self.linkage.forces:
-            x, y = force.force(self.sweep.places)
-            yield Load(force.link, self.linkage.local(force.point, force.link), (x, y))
-        for torque in self.linkage.torques:
-            yield Load(torque.link, self.linkage.links[torque.link].centre, None, torque.torque(self.sweep.places)[0])
+        for load in self.linkage.applied:
+            if load.reaction is None:
+                yield from applied_loads(self.sweep, load, self.speed)
 
     def internal_loads(self) -> Iterator[Load]:
-        """Springs, dashpots and dampers, which push two bodies, or a link and the ground, apart: two loads each."""
+        """Springs, dashpots, dampers and other loads between two bodies, a link and the ground: two loads each."""
+        for load in self.linkage.applied:
+            if load.reaction is not None:
+                yield from applied_loads(self.sweep, load, self.speed)
         for spring in self.linkage.springs:
             yield from self._spring_loads(spring)
         if self.turns:
@@ -129,6 +130,28 @@ class LoadedSweep:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
         torque = damper.coefficient * self.speed * (first - second)
         return Load(damper.links[0], (0.0, 0.0), None, -torque), Load(damper.links[1], (0.0, 0.0), None, torque)
+
+
+def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) -> Iterator[Load]:
+    """A force or a torque on its link, and its reverse on the body that takes the reaction, at the same place.
+
+    ``speed`` is that of the driver: a load of one direction acts by its sign, at rest as if φ grew.
+    """
+    linkage = sweep.linkage
+    if isinstance(load, LinkTorque):
+        torque = sweep.load(load.torque, speed)[0]
+        yield Load(load.link, linkage.links[load.link].centre, None, torque)
+        if load.reaction is not None:
+            yield Load(load.reaction, (0.0, 0.0), None, -torque)
+        return
+    x, y = sweep.load(load.force, speed)
+    if load.frame != GROUND:
+        x, y = frames.arm(sweep.poses(load.frame), (x, y))
+    local = linkage.local(load.point, load.link)
+    yield Load(load.link, local, (x, y))
+    if load.reaction is not None:
+        arm = frames.minus(sweep.local_point(load.link, local), sweep.local_point(load.reaction, (0.0, 0.0)))
+        yield Load(load.reaction, (0.0, 0.0), (-x, -y), -frames.cross(arm, (x, y)))
 
 
 def _inverse_length(span: Pair) -> Scalar:

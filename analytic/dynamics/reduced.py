@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.linkage import Link, LinkTorque, PointForce, Spring
-from analytic.dynamics.joint_forces import TINY
+from analytic.dynamics.joint_forces import TINY, Load, applied_loads
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, is_zero
@@ -112,33 +112,39 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
     return y * vector[1] if is_zero(x) else x * vector[0] + y * vector[1]
 
 
-def load_force(sweep: Sweep) -> Array:
+def load_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
     """Generalised force of the forces at points, torques on links and springs, N m."""
     total = np.zeros(sweep.angle.shape)
-    for _, part in load_forces(sweep):
+    for _, part in load_forces(sweep, speed):
         total += part
     return total
 
 
-def load_forces(sweep: Sweep) -> Iterator[tuple[PointForce | LinkTorque | Spring, Array]]:
+def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Spring, Array]]:
     """Each force, torque and spring with its generalised force, N m."""
     linkage = sweep.linkage
-    for force in linkage.forces:
-        fx, fy = force.force(sweep.places)
-        vx, vy = sweep.local_point(force.link, linkage.local(force.point, force.link), 1)
-        yield force, fx * vx + fy * vy
-    for torque in linkage.torques:
-        yield torque, torque.torque(sweep.places)[0] * sweep.rates(torque.link)[2]
+    for load in linkage.applied:
+        first, *rest = (_virtual_power(sweep, part) for part in applied_loads(sweep, load, speed))
+        yield load, sum(rest, first)
     for number, spring in enumerate(linkage.springs):
         length, rate = spring_length(sweep, number)
         yield spring, -(spring.stiffness * (length - spring.length) * rate)
 
 
-def generalised_force(sweep: Sweep) -> Array:
-    """Q, N m: gravity and every load that does not depend on speed."""
+def _virtual_power(sweep: Sweep, load: Load) -> Scalar:
+    """The power of a load at unit speed of the driver, N m."""
+    turned = None if load.torque is None else load.torque * sweep.rates(load.body)[2]
+    if load.force is None:
+        return turned
+    moved = frames.dot(load.force, sweep.local_point(load.body, load.at, 1))
+    return moved if turned is None else moved + turned
+
+
+def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
+    """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
     linkage = sweep.linkage
     loaded = linkage.forces or linkage.torques or linkage.springs
-    return gravity_force(sweep) + load_force(sweep) if loaded else gravity_force(sweep)
+    return gravity_force(sweep) + load_force(sweep, speed) if loaded else gravity_force(sweep)
 
 
 def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
@@ -199,7 +205,7 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
     torque = inertia * acceleration
     if turns:
         torque += half_inertia_derivative(sweep) * (speed * speed)
-    torque -= generalised_force(sweep)
+    torque -= generalised_force(sweep, speed)
     linkage = sweep.linkage
     if turns and (linkage.dampers or not all(is_zero(spring.damping) for spring in linkage.springs)):
         torque += damping_coefficient(sweep) * speed
@@ -283,7 +289,7 @@ class EquationOfMotion:
     @property
     def period(self) -> float:
         """Period of every term in φ, rad; infinite for a driver that is pushed."""
-        return math.inf if self.mechanism.linkage.is_linear else self.mechanism.period
+        return math.inf if self.mechanism.linkage.is_linear else self.mechanism.cycle
 
     @property
     def timing(self) -> TimeDependence:
@@ -306,6 +312,11 @@ def equation_of_motion(
 ) -> EquationOfMotion:
     """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides."""
     _check_inertia(mechanism)
+    if any(law.when for law in mechanism.linkage.laws):
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected loads that the place alone decides, got one with when = ..., and a "
+            "released crank may turn back; leave when out, or give the crank a motion"
+        )
     return EquationOfMotion(mechanism, crank_torque(torque), over_time=over_time)
 
 

@@ -20,7 +20,6 @@ from analytic.dynamics.reduced import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
 from analytic.numerics.integration import Windows, gauss_scheme, integrate
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from analytic.numerics.roots import root
@@ -216,7 +215,7 @@ def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]
     """Power of the torque, the forces and the damping, which the potential energy does not include, W."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     linkage = replace(mechanism.linkage, springs=(), dampers=())
-    force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + motion.equation.torque(angle)[0]
+    force = reduced.load_force(mechanism.with_loads_of(linkage).sweep(angle)) + motion.equation.torque(angle)[0]
     if motion.equation.over_time is not None:
         force = force + motion.equation.over_time(time)
     return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)

@@ -75,6 +75,34 @@ def top_of_turn(mechanism: Mechanism) -> float | None:
         return None
 
 
+def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
+    """The values of φ between two others, rad or m, ascending, at which a load has a corner, or sets in."""
+    laws = mechanism.linkage.laws
+    places = [(corner, law.period) for law in laws if law.over == "phi" for corner in law.corners]
+    places += [(corner, mechanism.period) for corner in _corners_of_turn(mechanism)]
+    corners = [
+        corner + (period * np.arange(np.floor((low - corner) / period), (high - corner) / period) if period else 0.0)
+        for corner, period in places
+    ]
+    every = np.concatenate([[], *map(np.atleast_1d, corners)])
+    return np.unique(every[(every > low) & (every < high)])
+
+
+@once_per_mechanism
+def _corners_of_turn(mechanism: Mechanism) -> list[float]:
+    """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn."""
+    laws, turns = mechanism.linkage.laws, round(mechanism.period / FULL_TURN)
+    corners = {corner for law in laws if law.over == "S" for corner in law.corners}
+    directed = any(law.when for law in laws)
+    if not (corners or directed) or top_of_turn(mechanism) is None:
+        return []
+    places = [centre.angle for centre in dead_centres(mechanism)] if directed else []
+    for corner in sorted(corners):
+        height = mechanism.zero_of_s() - corner
+        places += zeros(lambda phi, height=height: mechanism.sweep(phi).output() - height, turns=turns).tolist()  # type: ignore[misc]
+    return places
+
+
 def farthest_between(mechanism: Mechanism, angle: Array) -> float:
     """The output's coordinate at which S is 0, m, where the crank moves between the least and the largest angle, rad.
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.errors import AssemblyError, StructureError
+from analytic.errors import AssemblyError, LinkproofError, StructureError
 from analytic.kinematics.branch import named_places, nearest_to_sketch
 from analytic.kinematics.change_points import period_of, with_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
@@ -62,9 +62,14 @@ class Mechanism:
         return other
 
     @property
+    def cycle(self) -> float:
+        """The crank's way, rad, after which motion and loads repeat."""
+        return max(self.period, self.linkage.load_period)
+
+    @property
     def repeats(self) -> bool:
         """Whether a turn returns to its start: not for a driver that is pushed, nor with one change point a turn."""
-        return not self.linkage.is_linear and self.period == FULL_TURN
+        return not self.linkage.is_linear and self.cycle == FULL_TURN
 
     @cached_property
     def changes(self) -> tuple[float, ...]:
@@ -75,13 +80,29 @@ class Mechanism:
 
     def sweep(self, angle: ArrayLike) -> Sweep:
         """The linkage at every crank angle (rad, any shape); poses are computed when they are needed."""
-        return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
+        places = np.asarray(angle, dtype=float)
+        return Sweep(self.linkage, self.structure, places, zero_of_s=self.zero_of_s)
+
+    def zero_of_s(self) -> float:
+        """The output's coordinate at the top dead centre, m, from which loads over S count.
+
+        Raises LinkproofError where the crank makes no full turn, which would show it.
+        """
+        from analytic.kinematics.dead_centres import top_of_turn  # noqa: PLC0415 - it takes mechanisms itself
+
+        top = top_of_turn(self)
+        if top is None:
+            raise LinkproofError(
+                f"'{self.linkage.name}': a load over S counts from the top dead centre, which shows in a full turn of "
+                "the crank, and the crank makes none; give the load over its angle"
+            )
+        return top
 
     def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
         """A function of the linkage at angles (n,), rad; nan where what it needs is not assembled, or is stuck."""
         faults = np.zeros(angle.shape, dtype=bool)
         with np.errstate(all="ignore"):  # of what is meaningless
-            values = function(Sweep(self.linkage, self.structure, angle, faults))
+            values = function(Sweep(self.linkage, self.structure, angle, faults, zero_of_s=self.zero_of_s))
         return np.where(faults, np.nan, values)
 
     @property

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
@@ -89,14 +91,24 @@ class Sweep:
 
     Where a group cannot be assembled or moved AssemblyError is raised; with ``faults``, of the angles' shape, they are
     set True there instead, and what depends on the group is nan or meaningless. ``places`` are the angles without the
-    first axis if they are the same all along it, as those of many designs are.
+    first axis if they are the same all along it, as those of many designs are. ``zero_of_s`` gives the output's
+    coordinate, m, from which loads over S count.
     """
 
-    def __init__(self, linkage: Linkage, structure: Structure, angle: Array, faults: Booleans | None = None) -> None:
+    def __init__(
+        self,
+        linkage: Linkage,
+        structure: Structure,
+        angle: Array,
+        faults: Booleans | None = None,
+        *,
+        zero_of_s: Callable[[], Scalar] = float,
+    ) -> None:
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
         self.faults = faults
+        self.zero_of_s = zero_of_s
         self.places = angle[0] if angle.ndim > 1 and angle.strides[0] == 0 and len(angle) > 1 else angle
         self._solvers: dict[str, DyadSolver | GroupSolver] = {}
         self._windows: Windows = {}
@@ -212,6 +224,16 @@ class Sweep:
         x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
         along = frames.dot(output.along, (x, y))
         return np.broadcast_to(along, self.angle.shape)
+
+    def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain, dual or traced
+        """Components of a law of a force or a torque, SI; at rest as if φ grew."""
+        parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
+        if law.when is None:
+            return parts
+        rises = self.output(1) * np.where(speed < 0.0, -1.0, 1.0) > 0.0  # and S falls
+        shown, hidden = (0.0, 1.0) if law.when == "advance" else (1.0, 0.0)
+        acts = np.where(rises, shown, hidden)
+        return [acts * part for part in parts]
 
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: a check of loop closure."""

@@ -101,7 +101,7 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
     if not reach.is_full_turn:
         return Case(mechanism, next(iter((*motions, *of_file.values())), None) or range_motion(reach))
     speed = float(motions[0].speed(motions[0].duration)) or motions[0].peak_speed if motions else USUAL_SPEED
-    start, duration = (mechanism.period if speed < 0.0 else 0.0), mechanism.period / abs(speed)
+    start, duration = (mechanism.cycle if speed < 0.0 else 0.0), mechanism.cycle / abs(speed)
     return Case(mechanism, CrankMotion(STEADY, (Segment(0.0, duration, (start, speed)),)))
 
 

@@ -18,6 +18,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.written import finite
 from analytic.errors import LinkproofError
+from analytic.kinematics.dead_centres import load_corners
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import Integers, highest_each
@@ -272,7 +273,7 @@ class Curves:
         """The instants, s, at which the drive passes a corner of a load over φ: peaks are there, and means change."""
         time = self.instants.grid
         angle = self.case.motion.angle(time)
-        places = self.linkage.load_corners(float(np.min(angle)), float(np.max(angle)))
+        places = load_corners(self.case.mechanism, float(np.min(angle)), float(np.max(angle)))
         row, step = np.nonzero((angle[:-1] < places[:, None]) != (angle[1:] < places[:, None]))
         low, high = time[step], time[step + 1]
         return roots(lambda at: self.case.motion.angle(at) - places[row], low, low, high)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import Law
 from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
 from analytic.description.written import file_unit
 from analytic.dynamics import reduced
@@ -174,9 +174,9 @@ def _unit_slip(load: Load, linkage: Linkage) -> str:
 
 def _table_slips(load: str, law: Law) -> Iterator[str]:
     """A table that leaves out a part of the turn, and one whose spline goes far beyond its values."""
-    if law.angles is None or not law.periodic:
+    if law.angles is None or not law.period:
         return
-    steps = np.diff(np.append(law.angles, law.angles[0] + FULL_TURN))
+    steps = np.diff(np.append(law.angles, law.angles[0] + law.period))
     if np.max(steps) > max(MOST_GAP, WIDEST_STEP * float(np.median(steps))):
         at = int(np.argmax(steps))
         low, high = np.degrees([law.angles[at], law.angles[at] + steps[at]])
@@ -184,7 +184,7 @@ def _table_slips(load: str, law: Law) -> Iterator[str]:
             f"the {load} has no values between {low:.4g}° and {high:.4g}°, where a curve joins them: check the unit of "
             "its angles, or add values"
         )
-    curve = law(np.linspace(0.0, FULL_TURN, 2000))
+    curve = law(np.linspace(0.0, law.period, 2000))
     low, high = np.min(law.values, axis=0), np.max(law.values, axis=0)
     beyond = np.maximum(np.max(curve, axis=-1) - high, low - np.min(curve, axis=-1))
     varies = high > low

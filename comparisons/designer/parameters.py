@@ -210,7 +210,7 @@ class SteadyMotion:
         """
         return design_figures(
             mechanism, numbers, figures, self.places, speed=self.speed, refine=refine,
-            period=FULL_TURN if self.is_full_turn else None, path=path,
+            period=mechanism.linkage.load_period if self.is_full_turn else None, path=path,
         )  # fmt: skip
 
     def gradients(
@@ -234,7 +234,9 @@ def steady_motion(
         return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
     reach = mechanism.crank_range()
     if reach.is_full_turn:
-        return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
+        way = mechanism.linkage.load_period
+        samples *= round(way / FULL_TURN)
+        return SteadyMotion(np.linspace(0.0, way, samples, endpoint=False), speed, is_full_turn=True)
     low, high = inset_ends(reach)
     return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)
 
@@ -268,8 +270,8 @@ def loads_that_stay(mechanism: Mechanism, designs: Iterable[Mapping[str, float]]
     ``designs`` are numbers, SI, by name; those without dead centres are left out.
     """
     linkage = mechanism.linkage
-    loads = [load_name(force) for force in linkage.forces if not force.force.is_constant]
-    loads += [load_name(torque) for torque in linkage.torques if not torque.torque.is_constant]
+    tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]
+    loads = [load_name(load) for load, is_over_angle in zip(linkage.applied, tables, strict=True) if is_over_angle]
     if not loads or linkage.is_linear or linkage.output is None:
         return ""
     try:
@@ -286,6 +288,6 @@ def loads_that_stay(mechanism: Mechanism, designs: Iterable[Mapping[str, float]]
             stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
             return (
                 f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} to "
-                f"{linkage.place(moved)}: shift the table in the file where it belongs to the stroke"
+                f"{linkage.place(moved)}: where the load belongs to the stroke, give it over = 'S' in the file"
             )
     return ""

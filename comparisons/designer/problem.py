@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED
-from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import signal_gradients, signal_values
 from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
@@ -82,7 +81,7 @@ class LocalMaxima:
         """Evenly spaced crank angles, rad or m."""
         count = max(FEWEST_ANGLES, len(self.motion.places))
         if self.motion.is_full_turn:
-            return np.linspace(0.0, FULL_TURN, count, endpoint=False)
+            return np.linspace(0.0, self.mechanism.linkage.load_period, count, endpoint=False)
         return np.linspace(self.motion.places[0], self.motion.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:

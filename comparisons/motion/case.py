@@ -156,7 +156,9 @@ def scene(
         moment = float(drive.torque_at(0.0)) + generalised_force(sweep) - damping_coefficient(sweep) * speed
         acceleration = (moment - half_inertia_derivative(sweep) * speed**2) / reduced_inertia(sweep)
         state = start_state(sweep, speed, float(acceleration))
-    return build_scene(mechanism.linkage, state, drive, frozenset(channels))
+    over_travel = any(law.over == "S" for law in mechanism.linkage.laws)
+    zero = mechanism.zero_of_s() if over_travel else 0.0
+    return build_scene(mechanism.linkage, state, drive, frozenset(channels), zero)
 
 
 @dataclass(frozen=True)

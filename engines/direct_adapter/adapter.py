@@ -33,9 +33,9 @@ from engines.direct_adapter.solution import (
     transfer,
     velocity_terms,
 )
-from engines.mechanics.joints import applied_loads
+from engines.mechanics.joints import applied_loads, force_levers, output_travel
 from engines.mechanics.start_check import data_obstacle
-from engines.mechanics.states import body_numbers, driven, point_velocity, start_coordinate, start_motion
+from engines.mechanics.states import body_numbers, driven, start_coordinate, start_motion
 from engines.registry import installed_version
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, check_step, run_stepping
@@ -67,6 +67,8 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
     scene, driver = equations.scene, equations.driver
     start = [float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2])]
     rate = _rate_function(equations, path, drive)
+    periods = [load.force.period for load in scene.forces] + [load.torque.period for load in scene.torques]
+    cycle = max((period for period in periods if period), default=FULL_TURN)
     kinks = () if drive.over_time is None else [kink for kink in drive.over_time.times if 0.0 < kink < drive.duration]
     times, pieces, turned = [0.0], [], np.zeros((2, 1))
     for begin, end in pairwise([0.0, *kinks, drive.duration]):
@@ -79,7 +81,7 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
             times.append(run.t)
             pieces.append(_shifted(run.dense_output(), turned))
             if path.turns is not None:  # rounded as an angle of many turns is, the state would lose energy
-                whole = FULL_TURN * np.floor((run.y - path.low) / FULL_TURN) * (1.0, 0.0)
+                whole = cycle * np.floor((run.y - path.low) / cycle) * (1.0, 0.0)
                 run.y, turned = run.y - whole, turned + whole[:, None]
         start = run.y.tolist()
     return OdeSolution(times, pieces)
@@ -105,7 +107,7 @@ def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[f
             return np.nan, np.nan
         inertia, bend, at_rest, drag, *levers = table(place).tolist()
         torque = drive.torque + (0.0 if drive.over_time is None else float(drive.over_time(time)))
-        loads = [float(part) for law in laws for part in law(angle * scale)]
+        loads = [float(part) for law in laws for part in law(levers[-1] if law.over == "S" else angle * scale)]
         moment = torque * scale + at_rest - drag * speed - bend * speed * speed
         return speed, (moment + sum(map(float.__mul__, loads, levers))) / inertia
 
@@ -149,9 +151,10 @@ def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array
     sizes = [np.sum((np.abs(lever) + equations.metres) * np.abs(force), axis=(1, 2)) for force in forces]
     numbers, levers = body_numbers(steady), []
     for load in varying.forces:
-        body = numbers[load.body]
-        levers += list(point_velocity(metric.arm(body, load.anchor), lever[:, body]).T)
+        levers += [np.sum(lever * part, axis=(1, 2)) for part in force_levers(steady, load, metric)]
     levers += [lever[:, numbers[load.body], 2] for load in varying.torques]
+    if steady.travel is not None:
+        levers.append(output_travel(steady, metric, lever)[0])
     return np.stack([*values, *levers]), np.stack([*sizes, *(np.abs(each) + equations.unit for each in levers)])
 
 
@@ -280,6 +283,7 @@ class DirectEngine:
         timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
+        load_states=True,
         drivers=frozenset(DriverKind),
     )
 

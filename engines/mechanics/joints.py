@@ -21,11 +21,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.states import (
     Driver,
@@ -41,7 +42,7 @@ from engines.mechanics.states import (
     pose_of,
     start_motion,
 )
-from engines.scene import PointSpring, Scene
+from engines.scene import AppliedForce, PointSpring, Scene
 
 
 @dataclass(frozen=True)
@@ -260,10 +261,9 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
     loads[..., :2] = body_masses(scene)[:, :2] * np.asarray(scene.gravity)
     crank_angle = np.asarray(Driver(scene).value(pose), dtype=float)
     for applied in scene.forces:
-        body = numbers[applied.body]
-        _add_force(loads, body, pose.arm(body, applied.anchor), applied.force(crank_angle).T)
+        _add_applied_force(loads, scene, applied, pose, _law_values(scene, applied.force, crank_angle, pose, rate))
     for torque in scene.torques:
-        loads[:, numbers[torque.body], 2] += torque.torque(crank_angle)[0]
+        loads[:, numbers[torque.body], 2] += _law_values(scene, torque.torque, crank_angle, pose, rate)[0]
     for damper in scene.dampers:
         first, second = numbers[damper.first], numbers[damper.second]
         drag = damper.coefficient * (rate[:, first, 2] - rate[:, second, 2])
@@ -272,6 +272,43 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
     for spring in scene.springs:
         _add_spring(loads, numbers, spring, pose, rate)
     return loads
+
+
+def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Reals]:
+    """For each component of a force what a unit of it is on the bodies, (n, bodies, 3)."""
+    for unit in np.eye(2):
+        lever = np.zeros((*pose.place.shape[:2], 3), dtype=pose.place.dtype)
+        _add_applied_force(lever, scene, applied, pose, unit[:, None])
+        yield lever
+
+
+def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: Pose, parts: Reals) -> None:
+    """A force of components (2, n) in its frame, and its reverse at the same place of another body."""
+    numbers = body_numbers(scene)
+    body, other, frame = numbers[applied.body], numbers[applied.reaction], numbers[applied.frame]
+    (x, y), c, s = parts, pose.cosine[:, frame], pose.sine[:, frame]
+    force = np.stack([c * x - s * y, s * x + c * y], axis=-1)
+    arm = pose.arm(body, applied.anchor)
+    _add_force(loads, body, arm, force)
+    if applied.reaction != GROUND:
+        _add_force(loads, other, pose.place[:, body] + arm - pose.place[:, other], -force)
+
+
+def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
+    """S, m, and its rate, (n,) each, by which loads go."""
+    assert scene.travel is not None
+    body, along = body_numbers(scene)[scene.travel.body], np.asarray(scene.travel.along)
+    speed = point_velocity(pose.arm(body, scene.travel.anchor), rate[:, body])
+    return scene.travel.zero - dot(pose.point(body, scene.travel.anchor), along), -dot(speed, along)
+
+
+def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Reals) -> Reals:
+    """Components of a load's law, (k, n)."""
+    if law.over == "phi" and law.when is None:
+        return law(crank_angle)
+    travel, speed = output_travel(scene, pose, rate)
+    values = law(crank_angle if law.over == "phi" else travel)
+    return values * ((law.when is None) | ((law.when == "advance") == (speed >= 0.0)))
 
 
 def potential_energy(scene: Scene, pose: Pose) -> Reals:

@@ -16,7 +16,7 @@ from analytic.description.walk import walk
 from engines.contract import Abilities
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, driven, pose_of, start_motion
-from engines.scene import Body, Free, Prescribed, Scene
+from engines.scene import AppliedForce, Body, Free, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
@@ -99,10 +99,21 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
             return f"it has no {_type_in_words(part)}, which {_label(part)} asks for"
     laws: list[tuple[object, Law]] = [(load, load.force) for load in scene.forces]
     laws += [(load, load.torque) for load in scene.torques]
-    for load, law in laws:
-        if not law.is_constant and not abilities.varying_loads:
-            return f"it takes no load that changes with the crank angle, as {_label(load)} does"
-    return None
+    return next((words for load, law in laws for words in _load_obstacles(load, law, abilities)), None)
+
+
+def _load_obstacles(load: object, law: Law, abilities: Abilities) -> Iterator[str]:
+    """Why a force or a torque is beyond an engine's abilities, in sentences."""
+    if not law.is_constant and not abilities.varying_loads:
+        yield f"it takes no load that changes with the crank angle, as {_label(load)} does"
+    if abilities.load_states:
+        return
+    if law.over == "S" or law.when:
+        yield f"it takes no load that depends on the output's travel or direction, as {_label(load)} does"
+    if isinstance(load, AppliedForce) and load.frame != GROUND:
+        yield f"it takes no force that turns with a body, as {_label(load)} does with '{load.frame}'"
+    if isinstance(load, AppliedForce) and load.reaction != GROUND:
+        yield f"it takes no force between two bodies, as {_label(load)} has from '{load.reaction}'"
 
 
 def data_obstacle(scene: Scene, *, massless: bool) -> str | None:

@@ -265,8 +265,8 @@ class SteppedEngine(ABC, Generic[World, R]):
 # first; None for a free driver.
 
 
-# A law over φ in plain data: its components, or its knots, the cubics from each on, and whether it repeats.
-PlainLaw = list[float] | tuple[list[float], list[Any], bool]
+# A law over φ in plain data: its components, or its knots, the cubics from each on, and its period, rad, 0 of a travel.
+PlainLaw = list[float] | tuple[list[float], list[Any], float]
 
 
 class LoopEngine(SteppedEngine[Any, R]):
@@ -329,7 +329,7 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
 
 def plain_law(law: Law) -> PlainLaw:
     """A law as plain data."""
-    return law.values.tolist() if law.is_constant else (*law.pieces(), law.periodic)
+    return law.values.tolist() if law.angles is None else (*law.pieces(), law.period or 0.0)
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401 - one line for each type

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.description.loading import catalogue, literature, load
+from tests.analytic.linkages import text_of
 from tests.commands import linkproof, watching
 from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, started
 from tests.pages.live_page import (
@@ -34,6 +35,7 @@ SAME = 1e-13  # of the peak
 CHANGES = 2
 UNCHANGING = {"n-four-bar", "shaper-quick-return"}  # formulas that branch, and a group without a formula
 SHIPPED = [name for name in (*catalogue(), *literature()) if name not in UNCHANGING]
+TEXTS = {"four-bar": FOUR_BAR, "laden-press": text_of("laden-press")}
 MOST_BYTES = 900_000
 ROCKER = '[aria-label="rocker mass, kg, exactly"]'
 SAVED = """() => [...document.querySelectorAll('.live-number.changed input[type=number]')]
@@ -90,13 +92,14 @@ def live_data(page):
     ("browser", "name"),
     [
         ("chromium", "four-bar"),
+        ("chromium", "laden-press"),
         *(pytest.param(name, "four-bar", marks=SLOW) for name in NAMES if name != "chromium"),
         *(pytest.param("chromium", name, marks=SLOW) for name in SHIPPED),
     ],
     indirect=["browser"],
 )
 def test_the_page_computes_the_values_of_results_for_the_copied_file(browser, page_of, tmp_path, name):
-    page = page_of(name, FOUR_BAR if name == "four-bar" else "")
+    page = page_of(name, TEXTS.get(name, ""))
     chance = np.random.default_rng(5)
     with at_work(browser, page) as seen:
         offered = [one for one in live_data(page)["numbers"] if one["offered"]]
@@ -216,7 +219,7 @@ def test_peaks_at_an_open_end_of_a_range_are_marked(browser, page_of):
     ("name", "width", "theme"), [("stephenson-six-bar", WIDTHS[0], "dark"), ("four-bar", WIDTHS[1], "light")]
 )
 def test_it_is_legible_and_answers_keys_on_a_screen_and_on_a_phone(browser, page_of, name, width, theme):
-    with at_work(browser, page_of(name, FOUR_BAR if name == "four-bar" else ""), width=width, theme=theme) as seen:
+    with at_work(browser, page_of(name, TEXTS.get(name, "")), width=width, theme=theme) as seen:
         page = seen.page
         before = copied(page)
         page.locator('.grip[aria-label^="Point P:"]').focus()

@@ -74,6 +74,7 @@ def _describe_engine(adapter: Engine) -> dict[str, Any]:
         "joints": ["PinJoint", *_type_names(able.joints)],
         "loads": ["gravity", *_type_names(able.loads)],
         "varying_loads": able.varying_loads,
+        "load_states": able.load_states,
         "massless_bodies": able.massless,
         "settings": [setting.value for setting in Setting if setting in able.settings],
         "readouts": able.as_dict(),

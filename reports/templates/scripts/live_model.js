@@ -110,16 +110,30 @@ linkproof.liveModel = (formulas, data) => {
     return (a + x * (b + x * (c + x * d))) * factor(design, load);
   }
 
+  /** The output's coordinate at the top dead centre of a design, from which loads over S count. */
+  let zeroKnown = { of: "", zero: 0 };
+  function zeroOfS(design) {
+    const of = JSON.stringify(design);
+    if (data.overTravel && zeroKnown.of !== of) {
+      const times = Float64Array.from({ length: FEWEST + 1 }, (_, i) => (2 * Math.PI * i) / FEWEST);
+      const at = (phi) => compute(design, phi, new Float64Array(phi.length), new Float64Array(phi.length), 0);
+      const coordinate = (s) => (Number.isNaN(s) ? -Infinity : -s);
+      zeroKnown = { of, zero: top({ times, found: at(times), corners: [], at }, places.get("S"), coordinate).height };
+    }
+    return zeroKnown.zero;
+  }
+
   /** Results at values of φ, (results, count), with speeds and accelerations. */
-  function compute(design, phi, speed, acceleration) {
+  function compute(design, phi, speed, acceleration, zero = zeroOfS(design)) {
     const count = phi.length, found = new Float64Array(width * count);
-    const rows = new Float64Array((3 + data.rows.length) * count);
+    const rows = new Float64Array((4 + data.rows.length) * count);
     rows.set(phi);
     rows.set(speed, count);
     rows.set(acceleration, 2 * count);
+    rows.fill(zero, 3 * count, 4 * count);
     data.rows.forEach(([law, component], row) => {
       for (let i = 0; i < count; i += 1)
-        rows[(3 + row) * count + i] = looked(data.laws[law], component, phi[i], design);
+        rows[(4 + row) * count + i] = looked(data.laws[law], component, phi[i], design);
     });
     formulas(Float64Array.from(given, (one) => inSI(design, one)), rows, found, count);
     return found;

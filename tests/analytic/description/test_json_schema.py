@@ -34,7 +34,7 @@ def test_every_file_that_is_read_is_valid():
     ("old", "new", "fault"),
     [
         ("inertia = 0.64e-4", "inertai = 0.64e-4", "'inertai' was unexpected"),
-        ('length = "mm"', 'length = "MM"', "'MM' is not one of ['m', 'cm', 'mm', 'um', 'in']"),
+        ('length = "mm"', 'length = "MM"', "'MM' is not one of ['m', 'cm', 'mm', 'um', 'in', 'ft']"),
         ("mass    = 0.64", 'mass = "{n}"', "'{n}' is not of type 'number'"),
         ("mass    = 0.64", "mass = -1", "-1 is less than the minimum of 0"),
         ('crank   = "crank"\n', "", "is not valid under any of the given schemas"),

@@ -33,7 +33,7 @@ def test_a_spline_passes_through_its_points_on_every_turn_and_joins_itself_smoot
 
 @pytest.mark.parametrize("periodic", [True, False])
 def test_straight_lines_join_the_values_of_a_linear_law(periodic):
-    law = Law(VALUES, ANGLES, periodic, linear=True)
+    law = Law(VALUES, ANGLES, FULL_TURN if periodic else None, linear=True)
     angle, step = np.linspace(-7.0, 9.0, 161), 1e-6
     for part, values in enumerate(VALUES.T):
         true = lambda phi, v=values: np.interp(phi, ANGLES, v, period=FULL_TURN if periodic else None)  # noqa: E731

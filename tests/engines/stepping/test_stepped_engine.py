@@ -135,7 +135,7 @@ ALONG = CubicSpline(KNOTS, VALUES)
 
 LAWS = {
     "over a turn": (Law(VALUES, KNOTS), AROUND),
-    "over a travel": (Law(VALUES, KNOTS, periodic=False), lambda x: ALONG(np.clip(x, KNOTS[0], KNOTS[-1]))),
+    "over a travel": (Law(VALUES, KNOTS, period=None), lambda x: ALONG(np.clip(x, KNOTS[0], KNOTS[-1]))),
     "lines over a turn": (
         Law(VALUES, KNOTS, linear=True),
         lambda x: [np.interp(x, KNOTS, column, period=FULL_TURN) for column in VALUES.T],

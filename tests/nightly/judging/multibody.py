@@ -48,6 +48,7 @@ class Multibody:
         self.centre = [self._place(k.get("centre", (0.0, 0.0))) for k in file["links"].values()]
         self.size = max(float(np.max(np.abs(p))) for k in self.points.values() for p in k.values())
         self.joints = list(self._joints())
+        self.highest: float | None = None
         self.begin = self.angle * file["sketch"].get("angle", 0.0)
         self.turn = self._traced(self._assembled(branch))
 
@@ -238,6 +239,18 @@ class Multibody:
         centripetal = -(turning**2) * (place - origin)
         return place, np.einsum("nij,nj->ni", slopes, v), np.einsum("nij,nj->ni", slopes, a) + centripetal
 
+    def _highest(self, body: str, local: Array, along: Array) -> float:
+        """The farthest place of the output over a turn: about it ever more closely, then the top of a parabola."""
+        if self.highest is None:
+            angles = np.linspace(0.0, 2.0 * np.pi, 721)
+            for width in (0.01, 1e-4, 0.0):
+                places = self.at(self.positions(angles), body, local)[0] @ along
+                best = int(np.clip(np.argmax(places), 1, len(places) - 2))
+                before, here, after = places[best - 1 : best + 2]
+                angles = np.linspace(angles[best] - width, angles[best] + width, 201)
+            self.highest = float(here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after)))
+        return self.highest
+
     def _output(self, output: Mapping[str, Any], q: Array, v: Array, a: Array) -> dict[str, Array]:
         body = next(b for b in self.names if output["point"] in self.points[b])
         local = self.points[body][output["point"]]
@@ -247,15 +260,25 @@ class Multibody:
             if k.get("slides", {}).get("point") == output["point"]
         )
         along = np.array(line) / np.hypot(*line)
-        high = 0.0
-        angles = np.linspace(0.0, 2.0 * np.pi, 721)
-        for _ in range(2):  # the farthest point, then more closely about it
-            places = self.at(self.positions(angles), body, local)[0] @ along
-            high = float(np.max(places))
-            top = angles[int(np.argmax(places))]
-            angles = np.linspace(top - 0.01, top + 0.01, 2001)
+        high = self._highest(body, local, along)
         place, speed, acceleration = (x @ along for x in self._moving(q, v, a, body, local))
         return {"S": high - place, "v": -speed, "a": -acceleration}
+
+    def _values(self, load: Mapping[str, Any], what: str, q: Array, v: Array, phi: Array) -> list[Array]:
+        """Components of a load (n,): a constant, or straight lines over the crank angle or the output's travel."""
+        rows = np.array(load[what], dtype=float)
+        travel = self._output(self.file["output"], q, v, v) if load.get("over") or load.get("when") else {}
+        acts = 1.0
+        if load.get("when"):
+            acts = (travel["v"] >= 0.0) == (load["when"] == "advance")
+        if "angle" not in load and "travel" not in load:
+            return [acts * np.full(len(q), part) for part in np.atleast_1d(rows)]
+        if load.get("over") == "S":
+            x, places, period = travel["S"], self.length * np.array(load["travel"]), None
+        else:
+            x, places, period = phi, self.angle * np.array(load["angle"]), self.angle * load["period"]
+        columns = rows.reshape(len(places), -1).T
+        return [acts * np.interp(x, places, column, period=period) for column in columns]
 
     def _loads(self, q: Array, v: Array, a: Array, phi: Array) -> Array:
         """Inertia forces and loads along the coordinates, (n, m)."""
@@ -269,14 +292,23 @@ class Multibody:
             push(name, centre, mass * (gravity - self._moving(q, v, a, name, centre)[2]))
             total[:, self.rows[name] + 2] -= inertia * a[:, self.rows[name] + 2]
         for load in self.file.get("forces", ()):
-            body = load.get("link") or next(b for b in self.names if load["point"] in self.points[b])
-            push(
-                body,
-                self.points[body][load["point"]],
-                np.broadcast_to(np.array(load["force"], dtype=float), (len(q), 2)),
-            )
+            ends = load.get("between", ())
+            body = load.get("link") or next(b for b in (*ends[:1], *self.names) if load["point"] in self.points[b])
+            local, frame = self.points[body][load["point"]], load.get("frame", GROUND)
+            x, y = self._values(load, "force", q, v, phi)
+            turn = np.zeros(len(q)) if frame == GROUND else q[:, self.rows[frame] + 2]
+            force = np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1)
+            push(body, local, force)
+            if ends and ends[1] != GROUND:
+                row, place = self.rows[ends[1]], self.at(q, body, local)[0]
+                arm = place - q[:, row : row + 2]
+                total[:, row : row + 2] -= force
+                total[:, row + 2] -= arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
         for load in self.file.get("torques", ()):
-            total[:, self.rows[load["link"]] + 2] += load["torque"]
+            ends = load.get("between", (load.get("link"), GROUND))
+            for body, side in zip(ends, (1.0, -1.0), strict=True):
+                if body != GROUND:
+                    total[:, self.rows[body] + 2] += side * self._values(load, "torque", q, v, phi)[0]
         for spring in self.file.get("springs", ()):
             first, second = spring["between"]
             ends = [

@@ -1,0 +1,197 @@
+"""Loads over the stroke, in one direction, fixed in a link, between two bodies and over two turns of the crank."""
+
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.changes import with_numbers
+from analytic.description.crank_motion import crank_motion
+from analytic.description.law import Law
+from analytic.description.loading import parse
+from analytic.designs.derivatives import differences, signal_gradients
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.results import design_figures
+from analytic.dynamics.reduced import equation_of_motion
+from analytic.errors import DescriptionError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import evaluate
+from comparisons.motion.case import Case
+from engines.contract import Setting
+from engines.mechanics.start_check import ability_obstacle
+from engines.registry import engine
+from engines.scene import Channel
+from tests.analytic.linkages import text_of
+from tests.nightly.judging.multibody import Multibody
+from tests.nightly.random_linkages import draw
+
+PHI = np.linspace(0.1, 0.1 + 4.0 * np.pi, 101)  # of two turns
+SPEED, CLOSE = 7.0, 1e-12
+OUTPUT = {"four-bar": "B", "slider-crank": "D", "quick return": "E", "six-bar": "D"}
+LINK = {"four-bar": "rocker", "slider-crank": "rod", "quick return": "rocker", "six-bar": "rod"}
+
+
+def laden(number):
+    """A random linkage under one load of every form, as a file."""
+    drawn, random = draw(number), np.random.default_rng(number)
+    point, link, size = OUTPUT[drawn.kind], LINK[drawn.kind], tomllib.loads(drawn.text)["links"]["crank"]["points"]["A"]
+    force = 40.0 * Mechanism(parse(drawn.text, "x", "x")).linkage.links["crank"].mass
+    row = lambda count, of=force: str((of * random.uniform(-1.0, 1.0, count)).tolist())  # noqa: E731
+    torque = row(4, force * size[0])
+    return (
+        f"output = {{ point = '{point}', along = [0.8, 0.6] }}\n{drawn.text}"
+        f"[[forces]]\npoint = '{point}'\nlink = '{link}'\nover = 'S'\ntravel = {[k * size[0] for k in (0.1, 0.6, 1.3)]}"
+        f"\nforce = [{row(2)}, {row(2)}, {row(2)}]\ninterpolation = 'linear'\nwhen = 'advance'\n"
+        f"[[forces]]\npoint = 'A'\nlink = 'crank'\nframe = '{link}'\nforce = {row(2)}\nwhen = 'return'\n"
+        f"[[forces]]\npoint = '{point}'\nbetween = ['{link}', 'crank']\nframe = 'crank'\nforce = {row(2)}\n"
+        f"[[torques]]\nbetween = ['{link}', 'crank']\nangle = [0, 3, 7, 11]\nperiod = {4.0 * np.pi}\n"
+        f"torque = {torque}\ninterpolation = 'linear'\n"
+    )
+
+
+def largest_error(number, speed):
+    """The largest deviation of torque and joint forces from the solution in absolute coordinates, over peaks."""
+    text = laden(number)
+    control = Multibody(tomllib.loads(text)).curves(
+        np.zeros(0), lambda _: (PHI, np.full(len(PHI), speed), np.zeros(len(PHI)))
+    )
+    names = [name for name in control if name == "Mkr" or name.startswith("joint_force")]
+    found = evaluate(Mechanism(parse(text, "drawn", "drawn")), PHI, names, speed=speed)
+    peak = max(np.max(np.abs(control[name])) for name in names if name != "Mkr")
+    peaks = {name: np.max(np.abs(control[name])) if name == "Mkr" else peak for name in names}
+    return max(np.max(np.abs(found[name] - control[name])) / peaks[name] for name in names)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_they_are_those_of_a_solution_in_absolute_coordinates(number):
+    assert largest_error(number, SPEED) < CLOSE
+    assert largest_error(number, -SPEED) < CLOSE
+
+
+@pytest.mark.nightly
+def test_so_are_those_of_a_hundred_linkages():
+    assert max(largest_error(number, SPEED) for number in range(4, 104)) < CLOSE
+
+
+PRESS, _, _LOADS = text_of("laden-press").partition("[[")
+EVERY_LOAD = f"[[{_LOADS}"
+
+
+def mechanism(loads):
+    return Mechanism(parse(PRESS + loads, "press", "press.toml"))
+
+
+def test_a_load_over_the_stroke_is_that_over_the_crank_angle_which_describes_the_same():
+    """A table over S that is smooth over the whole stroke, sampled over φ."""
+    over_s = mechanism(EVERY_LOAD.replace("when", "#").replace("95", "120").partition('[[forces]]\npoint = "A"')[0])
+    knots = np.arange(20_000) * (2.0 * np.pi / 20_000)
+    load = over_s.linkage.forces[0]
+    values = load.force(evaluate(over_s, knots, ["S"])["S"]).T
+    over_phi = Mechanism(replace(over_s.linkage, forces=(replace(load, force=Law(values, knots)),)))
+    places = knots[::57] + 1e-4
+    names = ["Mkr", "joint_force:O:x", "shaking_force:x"]
+    found, same = (evaluate(each, places, names, speed=SPEED) for each in (over_s, over_phi))
+    for name in names:
+        assert found[name] == pytest.approx(same[name], rel=0.0, abs=1e-13 * np.max(np.abs(same[name])))
+
+
+def test_an_inner_load_shakes_no_frame_and_does_the_same_work():
+    """A cylinder's pressure on piston and head: the frame holds the bearings' forces against that of the pressure."""
+    load = "[[forces]]\npoint = 'D'\nlink = 'ram'\nforce = [-900, 0]\n"
+    outside, inside, bare = map(mechanism, (load, load.replace("link = 'ram'", "between = ['ram', 'ground']"), ""))
+    names = ["Mkr", "joint_force:O:x", "shaking_force:x"]
+    found, same, none = (evaluate(each, PHI, names, speed=SPEED) for each in (inside, outside, bare))
+    assert all(np.array_equal(found[name], same[name]) for name in names[:2])
+    assert found["shaking_force:x"] == pytest.approx(none["shaking_force:x"], rel=1e-12)
+    assert same["shaking_force:x"] == pytest.approx(none["shaking_force:x"] - 900.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("path", ["numpy", "compiled"])
+def test_figures_of_designs_are_those_of_each_design(path):
+    sample, places = mechanism(EVERY_LOAD), np.linspace(0.0, 4.0 * np.pi, 720, endpoint=False)
+    numbers = {"rod.D.x": [0.2, 0.21], "crank.A.x": [0.05, 0.055]}
+    peak = Figure("Mkr", Reduction.PEAK)
+    found = design_figures(sample, numbers, [peak], places, speed=SPEED, path=path)[0]
+    for number, value in enumerate(found):
+        design = sample.redesigned(with_numbers(sample.linkage, {n: v[number] for n, v in numbers.items()}))
+        torque = evaluate(design, places, ["Mkr"], speed=SPEED)["Mkr"]
+        assert value == pytest.approx(np.max(np.abs(torque)), rel=1e-13)
+
+
+def test_gradients_are_exact():
+    """Lengths move the dead centre from which S counts, and so the load."""
+    sample, speed = mechanism(EVERY_LOAD), SPEED
+    point = {"rod.D.x": 0.2, "crank.A.x": 0.05, "ram.through.y": 0.01, "forces.D.2.x": 400.0}
+
+    def torque(numbers):
+        design = sample.redesigned(with_numbers(sample.linkage, numbers))
+        return evaluate(design, PHI[::9], ["Mkr"], speed=speed)["Mkr"][None]
+
+    values, slopes = signal_gradients(sample, point, ["Mkr"], PHI[::9], speed=speed)
+    known, near, _ = differences(torque, point, {name: 1e-3 * value for name, value in point.items()})
+    assert values == pytest.approx(known, rel=1e-12)
+    for k in range(len(point)):
+        assert slopes[0, k] == pytest.approx(near[0, k], rel=0.0, abs=1e-6 * np.max(np.abs(near[0, k])))
+
+
+@pytest.mark.parametrize(("name", "limit"), [("direct", 1e-13), ("mujoco", 1e-8)])
+def test_an_engine_finds_the_torque_of_every_load(name, limit):
+    if engine(name).version() is None:
+        pytest.skip(f"{name} is not installed")
+    motion = crank_motion("run-up-quintic", ramp_time=0.3, hold_time=0.6, start_angle=0.1)
+    case = Case(mechanism(EVERY_LOAD), motion)
+    torque = engine(name).run(case.scene(frozenset(Channel)), Setting.TUNED).history.torque
+    time = torque.time
+    true = evaluate(case.mechanism, motion.angle(time), ["Mkr"], speed=motion.speed(time),
+                    acceleration=motion.acceleration(time))["Mkr"]  # fmt: skip
+    assert np.max(np.abs(torque.values - true)) <= limit * np.max(np.abs(true))
+
+
+def test_an_engine_without_such_loads_says_so():
+    case = Case(mechanism(EVERY_LOAD.partition("[[torques]]")[0]), crank_motion("constant-speed"))
+    model = case.scene(frozenset(Channel))
+    able = replace(engine("direct").abilities, load_states=False)
+    words = {
+        "travel": "it takes no load that depends on the output's travel or direction, as applied force on 'ram' does",
+        "rod": "it takes no force that turns with a body, as applied force on 'rod' does with 'rod'",
+        "crank": "it takes no force between two bodies, as applied force on 'rod' has from 'crank'",
+    }
+    for key, sentence in words.items():
+        load = next(f for f in model.forces if key in (f.frame, f.reaction, "travel" if f.force.over == "S" else ""))
+        assert ability_obstacle(replace(model, forces=(load,)), able) == sentence
+    assert ability_obstacle(model, engine("direct").abilities) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('over = "S"\n', "", "forces #1.travel: expected travel = [...] with over = 'S', angle = [...] without"),
+        ("travel = [0, 30, 80, 95]", "angle = [0, 30, 80, 95]", "forces #1.angle: expected travel = [...]; correct it"),
+        ("travel = [0, 30, 80, 95]", "travel = [0, 80, 30, 95]", "expected increasing travels, got steps of -50 mm"),
+        ('when = "advance"', 'when = "forth"', "forces #1.when: expected 'advance' or 'return': the load acts only"),
+        ('when = "advance"', "period = 720", "period: expected no period of a load over a travel; leave it out"),
+        ("period = 720", "period = 500", "torques #1.period: expected one turn or two, got 1.389 turns"),
+        ("period = 720", "period = 360", "expected increasing angles that span less than one turn"),
+        ('frame = "rod"', 'frame = "rot"', "forces #2.frame: unknown link 'rot': did you mean 'rod'?"),
+        ('["rod", "crank"]', '["rod", "rod"]', "expected the loaded link and another body that takes"),
+        ('["rod", "ground"]', '["ground", "rod"]', "expected a link first, on which the load acts, got 'ground'"),
+        ('between = ["rod", "ground"]\n', "", "torques #1.link is missing: expected the name of a link; add it, or"),
+    ],
+)
+def test_a_fault_is_told_with_its_cure(old, new, message):
+    assert old in EVERY_LOAD
+    with pytest.raises(DescriptionError) as caught:
+        mechanism(EVERY_LOAD.replace(old, new, 1))
+    assert message in str(caught.value)
+
+
+def test_a_load_that_nothing_decides_is_refused():
+    with pytest.raises(DescriptionError, match="over: expected an output that a turning crank moves"):
+        parse((PRESS + EVERY_LOAD).replace("output", "#"), "press", "press.toml")
+    with pytest.raises(LinkproofError, match="expected loads that the place alone decides, got one with when"):
+        equation_of_motion(mechanism(EVERY_LOAD))
+    swinging = mechanism(EVERY_LOAD).linkage
+    longer = with_numbers(swinging, {"crank.A.x": 0.3})
+    with pytest.raises(LinkproofError, match="a load over S counts from the top dead centre"):
+        evaluate(Mechanism(longer), [0.0], ["Mkr"], speed=SPEED)
