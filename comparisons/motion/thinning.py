@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # A run's curve is stored by the worst sample of each of so many stretches, and by the extremes of so many of the truth.
-WORST: Final = 200
-EXTREMES: Final = 60
+WORST: Final = 120
+EXTREMES: Final = 40
 
 
 def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:

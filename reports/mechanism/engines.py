@@ -259,6 +259,7 @@ def errors_chart(view: View, regime: Regime) -> Chart:
 EXTREMES: Final = 400  # of the closed form: so many stretches of the samples of all runs
 # Errors lie between ``LEAST_ERROR`` and this on their scale.
 GREATEST_ERROR: Final = 1e8
+FULL_SHARE: Final = (1 << 16) - 2  # of a packed column: its largest value
 
 
 def chart_data(view: View) -> dict[str, Any]:
@@ -338,7 +339,18 @@ def _run(trace: Trace) -> dict[str, Any]:
     }
 
 
-def packed(*columns: Array) -> str:
-    """Three columns (n,) after each other as numbers of 32 bits, the lower byte first, in base64."""
-    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is not drawn
-        return base64.b64encode(np.concatenate(columns).astype("<f4").tobytes()).decode("ascii")
+def packed(*columns: Array) -> dict[str, Any]:
+    """Columns (n,) for a drawing, which has fewer places than 16 bits: ends of each, and shares of the way between.
+
+    The shares are whole numbers up to ``FULL_SHARE``, the lower byte first, in base64; one more stands for a value that
+    is not finite, and is not drawn.
+    """
+    ends, shares = [], []
+    for column in columns:
+        finite = np.isfinite(column)
+        known = column[finite] if finite.any() else np.zeros(1)
+        low, high = float(np.min(known)), float(np.max(known))
+        share = np.where(finite, column - low, 0.0) / ((high - low) or 1.0)
+        shares.append(np.where(finite, np.rint(FULL_SHARE * share), FULL_SHARE + 1))
+        ends.append((low, high))
+    return {"ends": ends, "shares": base64.b64encode(np.concatenate(shares).astype("<u2").tobytes()).decode("ascii")}

@@ -35,6 +35,7 @@ FORMAT: Final = 6  # of the file and of what is in it; it counts up where they c
 REPEAT_HINT: Final = "run {} with --out again"
 UNFINISHED: Final = ""  # the kind of a study that is not finished
 LARGEST: Final = 1 << 28  # bytes of a text or a curve
+PAGE: Final = 1 << 15  # bytes of a page of the file, which has room for ten curves; of the usual size one fills it
 BEFORE: Final = "study.json"  # the document of a study up to format 5, in a folder of the study's name
 _SUPER_JOURNAL: Final = bytes.fromhex("d9d505f920a163d7")  # ends a rollback journal that names another file
 
@@ -361,6 +362,7 @@ def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
 
 
 def _make_tables(connection: sqlite3.Connection) -> None:
+    connection.execute(f"PRAGMA page_size = {PAGE}")
     connection.execute("PRAGMA auto_vacuum = FULL")
     with _transaction(connection):
         for table in _SCHEMA:

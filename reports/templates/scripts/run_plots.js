@@ -5,12 +5,14 @@ linkproof.runPlots = (() => {
   const DASHES = { naive: "dot", best: "dash" }, MARKERS = { naive: "circle-open", best: "diamond" };
   const title = (text) => ({ text, standoff: 8 });
 
-  /* Three columns out of numbers of 32 bits in base64; null where a number is not finite. */
-  function unpacked(samples) {
-    const bytes = Uint8Array.from(atob(samples), (letter) => letter.charCodeAt(0));
-    const numbers = Array.from(new Float32Array(bytes.buffer), (one) => (Number.isFinite(one) ? one : null));
-    const count = numbers.length / 3;
-    return [0, 1, 2].map((column) => numbers.slice(column * count, (column + 1) * count));
+  const FULL_SHARE = 65534;
+
+  /* Columns out of their ends and of shares of the way between, 16 bits each in base64; null where there is none. */
+  function unpacked({ ends, shares }) {
+    const bytes = Uint8Array.from(atob(shares), (letter) => letter.charCodeAt(0));
+    const all = new Uint16Array(bytes.buffer), count = all.length / ends.length;
+    return ends.map(([low, high], column) => Array.from(all.subarray(column * count, (column + 1) * count),
+      (share) => (share > FULL_SHARE ? null : low + share / FULL_SHARE * (high - low))));
   }
 
   /* Values at increasing times, between the samples of a curve. */
@@ -80,7 +82,7 @@ linkproof.runPlots = (() => {
       const common = {
         type: "scatter", x, name: `${run.engine} ${run.setting}`, showlegend: false,
         customdata: time.map((one, n) => [one, angle[n], value[n], error[n]]),
-        hovertemplate: `${who}<br>t = %{customdata[0]:.4f} s, ${name.replace(", ", " = %{customdata[1]:.4~g} ")}<br>`
+        hovertemplate: `${who}<br>t = %{customdata[0]:.4~g} s, ${name.replace(", ", " = %{customdata[1]:.4~g} ")}<br>`
           + `%{customdata[2]:.4~g} ${quantity.unit}<br>error %{customdata[3]:.1e} of the peak<extra></extra>`,
       };
       const marker = { color: colour, size: 4, symbol: MARKERS[run.setting] || "circle" };

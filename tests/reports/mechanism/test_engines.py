@@ -17,6 +17,7 @@ from reports.mechanism.engines import (
     engines_section,
     errors_chart,
     errors_section,
+    packed,
 )
 from reports.records import views
 from tests.reports.made_up_results import changed_results, made_up_results
@@ -94,9 +95,11 @@ def view():
     return views(results)[0]
 
 
-def unpacked(run):
-    """Columns as the page's script reads them."""
-    return np.frombuffer(base64.b64decode(run["samples"]), "<f4").reshape(3, -1)
+def unpacked(data):
+    """Columns as the page's script reads them, NaN where it draws nothing."""
+    shares = np.frombuffer(base64.b64decode(data["shares"]), "<u2").reshape(3, -1)
+    columns = (low + share / 65534 * (high - low) for (low, high), share in zip(data["ends"], shares, strict=True))
+    return np.where(shares > 65534, np.nan, [*columns])
 
 
 def test_a_run_keeps_its_largest_error_and_where_it_is(view):
@@ -104,14 +107,20 @@ def test_a_run_keeps_its_largest_error_and_where_it_is(view):
     (data,) = (one for key, one in curves(view).items() if key == f"1-{view.quantities(regime).index('Mkr')}")
     assert {(run["engine"], run["setting"]) for run in data["runs"]} == {("beta", s.value) for s in Setting}
     for run, trace in zip(data["runs"], view.traces(regime, "Mkr"), strict=True):
-        time, value, decade = unpacked(run)
+        time, value, decade = unpacked(run["samples"])
         assert len(time) <= WORST + 2 * EXTREMES + 2
         worst = np.argmax(decade)
         assert 10.0 ** decade[worst] == pytest.approx(trace.record.error_max, rel=1e-2)
         assert time[worst] == pytest.approx(trace.record.worst_time, abs=1e-4)
-        assert value[worst] == pytest.approx(
-            np.interp(time[worst], trace.time, trace.observed), abs=1e-3 * trace.record.peak
-        )
+        furthest = trace.observed[np.nanargmax(trace.error)]
+        assert value[worst] == pytest.approx(furthest, abs=1e-4 * trace.record.peak)
+
+
+def test_a_packed_column_has_its_ends_exactly_and_nothing_where_it_is_not_finite():
+    columns = np.array([[1.0, np.inf, -3.0, 2.5], [np.nan] * 4, [7.0] * 4])
+    found = unpacked(packed(*columns))
+    np.testing.assert_allclose(found, np.where(np.isfinite(columns), columns, np.nan), atol=1e-4)
+    assert (np.nanmin(found[0]), np.nanmax(found[0])) == (-3.0, 2.5)
 
 
 def test_the_chart_has_every_error_and_names_the_quantities_with_curves(view):
