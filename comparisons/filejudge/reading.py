@@ -22,7 +22,6 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse_document
 from analytic.description.schema import Finite, Tables, TomlTable
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, listed, printable, shortened
-from analytic.files import LARGEST_TEXT
 from comparisons.filejudge.columns import (
     TIME,
     Array,
@@ -36,8 +35,7 @@ from comparisons.filejudge.columns import (
 )
 from comparisons.filejudge.fault import Correction
 from comparisons.filejudge.headers import UNITS_BY_NAME, HeaderParser, Meaning, NotJudgedError, parse_unit
-from comparisons.filejudge.result_files import number_headers, result_tables
-from comparisons.filejudge.text_tables import read_text
+from comparisons.filejudge.tables import number_headers, read_text, result_tables
 
 HEAD: Final = """# Columns of result files as signals of {}: correct what is wrong, and give this file
 # to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as
@@ -140,7 +138,7 @@ def _comparable(header: str) -> str:
 
 def read_mapping(path: Path) -> ColumnMapping:
     """Read a mapping; raises LinkproofError with file and line."""
-    file = read_text(path, "a mapping file (TOML)", LARGEST_TEXT)
+    file = read_text(path)
     source = Source(file.name, file.text)
     document = parse_document(source, MappingDocument)
     if not document.column and not document.ignore:
@@ -321,13 +319,16 @@ class _Reading:
             )  # fmt: skip
 
 
-def read_results(paths: Sequence[Path], linkage: Linkage, mapping: Path | None = None) -> ImportedResults:
+def read_results(
+    paths: Sequence[Path], linkage: Linkage, mapping: Path | None = None, encoding: str = ""
+) -> ImportedResults:
     """The signals in result files, with the corrections of the mapping applied.
 
-    Raises LinkproofError with file and line for what cannot be read, and MappingNeededError, which has a mapping to
-    fill in, where only the user can tell what a column is.
+    Texts are UTF-8, UTF-16 with its mark, or in the ``encoding`` that is named. Raises LinkproofError with
+    file and line for what cannot be read, and MappingNeededError, which has a mapping to fill in, where only the user
+    can tell what a column is.
     """
-    tables = number_headers(table for path in dict.fromkeys(paths) for table in result_tables(Path(path)))
+    tables = number_headers(table for path in dict.fromkeys(paths) for table in result_tables(Path(path), encoding))
     if not tables:
         raise LinkproofError("expected at least one file of results, got none; name the files")
     agreed = read_mapping(mapping) if mapping else ColumnMapping()

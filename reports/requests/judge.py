@@ -31,7 +31,7 @@ def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
     Raises LinkproofError for files that cannot be read, among them ``MappingNeededError``.
     """
     model = linkage if options.gravity else without(linkage, "gravity")
-    imported = read_results(options.results, model, options.mapping)
+    imported = read_results(options.results, model, options.mapping, options.encoding)
     return judge_results(
         model,
         imported,

@@ -245,6 +245,9 @@ class JudgeOptions(MotionOptions):
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
     results: Annotated[tuple[Path, ...], Argument("RESULTS", is_required=True)] = ()
     mapping: Annotated[Path | None, Option("The meaning of each column, and accepted corrections.", "FILE")] = None
+    encoding: Annotated[
+        str, Option("Encoding of files that are not UTF-8 or UTF-16, such as cp1252 or cp1251.", "NAME")
+    ] = ""
     limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = (
         DEFAULT_LIMIT
     )

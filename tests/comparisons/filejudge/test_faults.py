@@ -131,7 +131,7 @@ def judged(name):
     own = FOLDER / f"{name}.toml"
     usual = FOLDER / f"{'slider-crank' if name.startswith(('de_', 's_b')) else 'four-bar'}.toml"
     model = load(str(own if own.exists() else usual))
-    return judge(model, read_results([FOLDER / f"{name}.csv"], model))
+    return judge(model, read_results([FOLDER / f"{name}.csv"], model, encoding="cp1252" if name == "de_nm_lie" else ""))
 
 
 @pytest.mark.parametrize(

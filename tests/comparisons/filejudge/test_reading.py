@@ -180,13 +180,13 @@ def test_a_speed_of_rotation_may_be_in_one_over_seconds_and_nothing_else_may_los
     assert not parse_unit("-").measures((0, 0, 0, 1))
 
 
-def read(tmp_path, text, mapping=None, name="run.csv"):
+def read(tmp_path, text, mapping=None, name="run.csv", encoding=""):
     file = tmp_path / name
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     if mapping is not None:
         (tmp_path / "mapping.toml").write_text(mapping)
         mapping = tmp_path / "mapping.toml"
-    return read_results([file], JUKI, mapping)
+    return read_results([file], JUKI, mapping, encoding)
 
 
 def message(tmp_path, text, mapping=None, name="run.csv"):
@@ -269,26 +269,26 @@ BAD_FILES = {
     "Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n": "expected a crank angle that runs one way",
     TORQUE + "0,1\n1,2\n": "expected a curve of at least 4 instants, got 2",
     f"Time [s],Torque [furlong]\n{ROWS}": "'furlong' in its name is no unit, link, point or joint",
-    TORQUE: "run.csv:1: expected rows of numbers below a header",
+    TORQUE: "run.csv: expected rows of numbers below a header",
     TORQUE + "0,1\n1,nan\n2,3\n": "run.csv:3: expected a finite number in column 2, got 'nan'",
     TORQUE + "0,1\n1,1e300\n2,2\n": "run.csv:3: expected a finite number in column 2, got '1e300'",
     TORQUE + "0,abc\n1,2\n2,3\n": "run.csv:2: expected a finite number in column 2, got 'abc'",
     TORQUE + "0,٣\n1,1\n2,2\n": "run.csv:2: expected a finite number in column 2, got '٣'",
-    TORQUE + "0,1\n1,2,3\n": "run.csv:3: expected 2 columns, as the header of line 1 has, got 3",
+    TORQUE + "0,1\n1,2,3\n": "run.csv:3: expected 2 columns, as in line 2, got 3",
     TORQUE + "0,0,1,0\n0,1,1,0\n": "with decimal commas columns are parted by semicolons or tabs",
     f"{TORQUE}{ROWS}5,{'1' * 10**6}\n": "run.csv:6: expected a finite number in column 2, got '111",
     f"Time [s],{'Drehmoment' * 500}\n{ROWS}": "'DrehmomentDrehmoment",
     "0,1\n1,2\n": "'column 1' is not judged",
-    "0\n1\n": "run.csv:1: expected a column of time or crank angle and others beside it",
+    "0\n1\n": "a column of time or crank angle and others beside it, got none",
     "t [s];M [Nm]\n0;1\n1;2\n# a comment\n2;3\n": "run.csv:4: expected a header for each of the 2 columns",
     "t [s];M [Nm];S [mm]\n0;1;2\n1;;3\n": "run.csv:3: expected a finite number in column 2, got an empty cell",
-    "t [s],M [Nm]\n0,1\n" * 1001: "expected at most 1000 tables",
+    "t [s],M [Nm]\n0,1\n" * 5001: "run.csv:10001: expected at most 5000 lines of text",
     "t [s]" + ",M [Nm]" * 20_000 + "\n0" + ",1" * 20_000: "run.csv:2: expected at most 10000 columns",
     "t [s],M [Nm],M [Nm]\n0,1,2\n1,2,3\n": "got 'M [Nm]' (run.csv:1 (column 2)) and 'M [Nm] #2'",
-    "": "run.csv:1: expected a table of results, got an empty file",
+    "": "run.csv: expected rows of numbers",
     b"PK\x03\x04rest": "got a binary file; export the results as CSV",
     bytes(range(256)): "expected text in",
-    b"Time [s],M [Nm]\n0,1\n\x81\x8d,3\n": "run.csv:3: expected text in CP1252, got other bytes",
+    b"Time [s],M [Nm]\n0,1\n\x81\x8d,3\n": "run.csv:3: expected text in UTF-8, got other bytes; name",
 }
 
 
@@ -348,7 +348,13 @@ def test_folders_missing_files_pipes_and_fmus_are_refused(tmp_path):
         ("час [s];кут [°]\n0;1\n1;2\n2;3\n3;4\n", "cp1251"),
     ],
 )
-def test_encodings_without_a_mark_are_recognised(tmp_path, text, encoding):
-    (signal,) = read(tmp_path, text.encode(encoding)).signals
+def test_an_encoding_that_is_named_is_read(tmp_path, text, encoding):
+    named = "" if encoding == "utf-16" else encoding
+    (signal,) = read(tmp_path, text.encode(encoding), encoding=named).signals
     assert signal.name in ("phi", "Mkr")
     assert len(signal.values) == 4
+
+
+def test_a_name_that_is_no_encoding_is_refused(tmp_path):
+    with pytest.raises(LinkproofError, match="--encoding: expected the name of an encoding, such as cp1252, got 'cp9'"):
+        read(tmp_path, f"{TORQUE}{ROWS}", encoding="cp9")
