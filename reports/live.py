@@ -261,11 +261,16 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     lines = [listed.trace.inputs.get(entries, -1) for entries in (*ALWAYS, *looked_up)]
     source = javascript_source(listed.trace, [listed.trace.inputs[name] for name in numbers], lines, listed.lines)
     laws = list(dict.fromkeys(law for law, _, _ in looked_up))
+    cylinder = mechanism.linkage.cylinder
+    has_ends = cylinder is not None and cylinder.has_ends
     data = {
         "rows": [[laws.index(law), component] for law, _, component in looked_up],
         "laws": [_law(law, mechanism) for law in laws],
         "overTravel": ZERO_OF_S in listed.trace.inputs,
-        "motion": _motion(motion, is_linear=mechanism.linkage.is_linear) | {"open": _open_places(mechanism, motion)},
+        "motion": {
+            **_motion(motion, is_linear=mechanism.linkage.is_linear, has_ends=has_ends),
+            "open": _open_places(mechanism, motion),
+        },
         "results": [_result(name, mechanism) for name in results(mechanism)],
         "groups": [
             {"name": dyad.name, "point": getattr(dyad.joints[1], "point", "")} for dyad in mechanism.structure.dyads
@@ -317,7 +322,7 @@ def _law(law: Law, mechanism: Mechanism) -> dict[str, Any]:
     return {"knots": knots, "pieces": pieces, "period": law.period or 0, "corners": law.corners, "load": load}
 
 
-def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:
+def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str, Any]:
     """The pieces of a motion; its ``speed``, rpm, where it has one alone, which can be changed."""
     segments = [[segment.start, segment.end, list(segment.coefficients)] for segment in motion.segments]
     first = motion.segments[0].coefficients
@@ -329,7 +334,7 @@ def _motion(motion: CrankMotion, *, is_linear: bool) -> dict[str, Any]:
         "duration": motion.duration,
         "speed": 0.0 if is_linear else float(f"{speed / RPM:.12g}"),
         "steady": is_steady,
-        "range": MARGIN if is_steady and not turns and motion.regime == OVER_RANGE else 0.0,
+        "range": MARGIN if is_steady and not (turns or has_ends) and motion.regime == OVER_RANGE else 0.0,
         "turns": turns,
         "linear": is_linear,
     }

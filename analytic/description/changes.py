@@ -122,7 +122,7 @@ def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: fl
 
     new = {
         path: value * kind.of_driver(is_linear=linkage.is_linear).size(length, mass, time)
-        for part in (*NAMED_PARTS, "sketch_angle")
+        for part in (*NAMED_PARTS, "sketch_angle", "cylinder")
         for path, kind, value in similar.numbers_of(part)
     }
     result: Linkage = with_values(similar, new)

@@ -454,7 +454,15 @@ def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
     first, second = (reader.owner(point, link, "cylinder") for point, link in ends)
     if first == second:
         raise reader.fail(f"cylinder: expected ends on two different bodies, got both on '{first}'; correct one")
-    return lk.CylinderDrive(table.between, (first, second))
+    unit, drawn = reader.unit(Kind.LENGTH), reader.document.sketch.angle
+    shortest, longest = table.min or 0.0, table.max or math.inf
+    if not (shortest < longest and shortest <= drawn <= longest):
+        raise reader.fail(
+            f"cylinder.{'max' if drawn > longest or shortest >= longest else 'min'}: expected a length between min and "
+            f"max in the sketch, got min {shortest / unit.size:g}, max {longest / unit.size:g} and sketch.angle "
+            f"{drawn / unit.size:g} {unit.name}; correct one of them"
+        )
+    return lk.CylinderDrive(table.between, (first, second), table.min, table.max)
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:

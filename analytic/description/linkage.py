@@ -171,10 +171,20 @@ class RotaryDamper:
 
 @dataclass(frozen=True)
 class CylinderDrive:
-    """A massless driver between two points of two bodies: its length is φ, its force pushes them apart."""
+    """A massless driver between two points of two bodies: its length is φ, its force pushes them apart.
+
+    ``shortest`` and ``longest`` bound its length, if they are known.
+    """
 
     points: tuple[str, str]
     links: tuple[str, str]
+    shortest: Annotated[float | None, Kind.LENGTH] = None
+    longest: Annotated[float | None, Kind.LENGTH] = None
+
+    @property
+    def has_ends(self) -> bool:
+        """Whether its length is bounded."""
+        return self.shortest is not None or self.longest is not None
 
 
 @dataclass(frozen=True)

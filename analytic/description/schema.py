@@ -125,10 +125,15 @@ class DamperTable(TomlTable):
 
 
 class CylinderTable(TomlTable):
-    """A cylinder between two points as the driver: its length is given; ``links`` where a point belongs to several."""
+    """A cylinder between two points as the driver: its length is given, from ``min`` to ``max``.
+
+    ``links`` stands where a point belongs to several.
+    """
 
     between: tuple[str, str]
     links: tuple[str, str] | None = None
+    min: Annotated[Positive, Kind.LENGTH] | None = None
+    max: Annotated[Positive, Kind.LENGTH] | None = None
 
 
 class OutputTable(TomlTable):

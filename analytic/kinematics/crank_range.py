@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import CylinderDrive, Linkage
 from analytic.errors import AssemblyError
 from analytic.kinematics.branch import Windows
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
@@ -35,16 +35,19 @@ LOOKS: Final = 12  # each look at a minimum shrinks its bracket 16-fold
 
 @dataclass(frozen=True)
 class Toggle:
-    """A crank angle, rad, or a travel, m, at which a dyad comes to the end of its assembly mode, and how it stands."""
+    """A crank angle, rad, or a travel, m, at which a dyad comes to the end of its assembly mode, and how it stands.
+
+    Without a dyad it is an end of the driving cylinder, where nothing is dead.
+    """
 
     angle: float
-    dyad: AnyGroup
+    dyad: AnyGroup | None
     reason: str
 
     @property
     def sentence(self) -> str:
         """The position in words, with its links."""
-        return f"{self.dyad.name}: {self.reason}"
+        return f"{self.dyad.name}: {self.reason}" if self.dyad else self.reason
 
 
 def in_degrees(angle: float) -> str:
@@ -115,8 +118,21 @@ def crank_range(
     high = None if turns else search.nearest_limit(1.0)
     changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
+        low, high = _cylinder_ends(linkage.cylinder, low, high)
         return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
     return CrankRange(search.start, low, high, changes)
+
+
+def _cylinder_ends(
+    cylinder: CylinderDrive | None, low: Toggle | None, high: Toggle | None
+) -> tuple[Toggle | None, Toggle | None]:
+    """The ends of a pushed driver's range: its dead positions, or the ends of its cylinder that come before them."""
+    shortest, longest = (None, None) if cylinder is None else (cylinder.shortest, cylinder.longest)
+    if shortest is not None and (low is None or low.angle < shortest):
+        low = Toggle(shortest, None, "the cylinder is retracted")
+    if longest is not None and (high is None or high.angle > longest):
+        high = Toggle(longest, None, "the cylinder is extended")
+    return low, high
 
 
 class _Margins:

@@ -46,10 +46,15 @@ class OpenEnd:
 
 
 def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
-    """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds."""
+    """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds.
+
+    A cylinder moves to its very ends.
+    """
     low, high = reach.limits
     margin = MARGIN * (high - low)
-    return (high - margin, low + margin) if backwards else (low + margin, high - margin)
+    low += 0.0 if reach.low and reach.low.dyad is None else margin
+    high -= 0.0 if reach.high and reach.high.dyad is None else margin
+    return (high, low) if backwards else (low, high)
 
 
 def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd, ...]:
@@ -63,6 +68,7 @@ def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd,
         OpenEnd(place, limit, AT_END * (high - low))
         for place, limit in ((low, reach.low), (high, reach.high))
         if limit is not None
+        and limit.dyad is not None
         and abs(place - limit.angle) <= NEAR * width
         and _group_angle(mechanism.sweep(np.array([place])), limit.dyad)[0] < BINDS
     )
@@ -105,7 +111,7 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
     inset = INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)
     groups: list[AnyGroup] = [*mechanism.structure.dyads]
-    groups += [limit.dyad for limit in (reach.low, reach.high) if limit and limit.dyad not in groups]
+    groups += [limit.dyad for limit in (reach.low, reach.high) if limit and limit.dyad and limit.dyad not in groups]
 
     def least(phi: Array) -> Array:
         sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))

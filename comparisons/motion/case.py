@@ -235,6 +235,9 @@ class Case:
         """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
         low, high = self.reach
         self._check_change_points(low, high)
+        cylinder = self.mechanism.linkage.cylinder
+        if cylinder is not None and cylinder.has_ends:
+            self.mechanism.crank_range().check(low, high, self.mechanism.linkage.name)
         turns = not self.mechanism.linkage.is_linear
         look = CHECK_STEP * (1.0 if turns else self.mechanism.linkage.extent())
         passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.description.loading import catalogue, load
+from analytic.description.loading import catalogue, load, parse
+from analytic.errors import DescriptionError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import range_motion, sheet
 from comparisons.motion.case import Case
@@ -97,3 +98,34 @@ def test_sweep_optimise_and_tolerance_say_it(tmp_path):
         assert text in linkproof(*words).stderr
         inside = of_command(*words, "--from", "40", "--to", "120")
         assert inside["warnings"] == []
+
+
+BOUNDED = (
+    DESIGNER.joinpath("bucket.toml")
+    .read_text(encoding="utf-8")
+    .replace('"idler"] }', '"idler"], min = 600, max = 1100 }')
+)
+
+
+def test_a_cylinder_moves_to_its_very_ends_and_no_farther(tmp_path):
+    file = tmp_path / "bucket.toml"
+    file.write_text(BOUNDED, encoding="utf-8")
+    mechanism = Mechanism(load(file))
+    reach = mechanism.crank_range()
+    motion = range_motion(reach)
+    assert (motion.angle(0.0), motion.angle(motion.duration)) == pytest.approx((0.6, 1.1), rel=1e-15)
+    assert not sheet(Case(mechanism, motion)).open_end_warning
+    assert (reach.low.sentence, reach.high.sentence) == ("the cylinder is retracted", "the cylinder is extended")
+    done = linkproof("results", file, "--from", "550", "--to", "1000")
+    assert done.returncode == 2
+    assert "its drive reaches 600 mm to 1100 mm (at 600 mm the cylinder is retracted)" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("max = 1100", "max = 500"), ("max = 1100", "max = 940"), ("min = 600", "min = 960")]
+)
+def test_a_cylinder_drawn_beyond_its_ends_is_refused(old, new):
+    with pytest.raises(
+        DescriptionError, match=r"expected a length between min and max in the sketch, got min \d+, max"
+    ):
+        parse(BOUNDED.replace(old, new), "bucket", "bucket.toml")
