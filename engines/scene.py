@@ -124,6 +124,19 @@ class TurnDamper:
 
 
 @dataclass(frozen=True)
+class TurnSpring:
+    """Torsion spring of two bodies (either may be the ground), free where the first is at ``angle`` to the second.
+
+    The difference from that counts within half a turn to either side.
+    """
+
+    first: str
+    second: str
+    stiffness: Annotated[float, Kind.TORQUE]
+    angle: Annotated[float, Kind.ANGLE]
+
+
+@dataclass(frozen=True)
 class Cylinder:
     """A massless driver between two anchors (either body may be the ground): its length is φ.
 
@@ -147,7 +160,8 @@ class Travel:
 
 
 GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
-LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})  # every type beside gravity
+Load = AppliedForce | AppliedTorque | PointSpring | TurnDamper | TurnSpring
+LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})  # what engines mostly have
 
 
 @dataclass(frozen=True)
@@ -203,6 +217,7 @@ class Scene:
     torques: tuple[AppliedTorque, ...] = ()
     springs: tuple[PointSpring, ...] = ()
     dampers: tuple[TurnDamper, ...] = ()
+    turn_springs: tuple[TurnSpring, ...] = ()
     cylinder: Cylinder | None = None
     travel: Travel | None = None  # where a load depends on it
 
@@ -213,6 +228,11 @@ class Scene:
             return DriverKind.CYLINDER
         rides = any(slider.body == self.crank and slider.host == GROUND for slider in self.sliders)
         return DriverKind.SLIDER if rides else DriverKind.CRANK
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """All loads beside gravity."""
+        return (*self.forces, *self.torques, *self.springs, *self.dampers, *self.turn_springs)
 
     @property
     def driven_slider(self) -> SliderJoint:
@@ -298,6 +318,7 @@ def build_scene(
             for s in linkage.springs
         ),
         dampers=tuple(TurnDamper(*damper.links, damper.coefficient) for damper in linkage.dampers),
+        turn_springs=tuple(TurnSpring(*coil.links, coil.stiffness, coil.angle) for coil in linkage.torsion_springs),
         cylinder=_cylinder(linkage),
         travel=_travel(linkage, zero_of_s),
     )

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.description.linkage import GROUND, NAMED_PARTS, Link, Linkage, Vector
+from analytic.description.linkage import GROUND, LOADS, NAMED_PARTS, Link, Linkage, Vector
 from analytic.description.units import Kind
 from analytic.description.walk import Number, with_values
 from analytic.errors import UnknownNameError
@@ -25,15 +25,11 @@ Change = Callable[[str, Kind, float], float]
 # What can be left out, and what then stands in its place.
 EMPTY_PARTS: Final[Mapping[str, object]] = {
     "gravity": (0.0, 0.0),
-    "forces": (),
-    "torques": (),
-    "springs": (),
-    "dampers": (),
+    **dict.fromkeys(LOADS, ()),
     "output": None,
     "thread": None,
 }
 SPEED: Final = "speed"  # of the driver, in which designs may differ besides; no number has this name
-LOADS: Final = ("forces", "torques", "springs", "dampers")
 
 
 def changed(linkage: Linkage, change: Change) -> Linkage:

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from analytic.description.crank_motion import (
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import (
+    BETWEEN_LINKS,
     GROUND,
     FileRegime,
     Linkage,
@@ -37,10 +38,12 @@ from analytic.description.linkage import (
     ThreadEye,
     ThreadGuide,
     ThreadPath,
+    TorsionSpring,
     Vector,
 )
 from analytic.description.lookup import Reader, interpolated_law, law_over_angle, position, reader_of
 from analytic.description.units import Kind
+from analytic.description.walk import number_fields, walk
 from analytic.errors import LinkproofError, UnknownNameError, listed
 
 # The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units.
@@ -98,7 +101,7 @@ def _bodies_of_load(
     return first, second
 
 
-def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
+def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper | TorsionSpring) -> tuple[object, ...]:
     """The key by which loads of a kind are sorted: bodies and points, then numbers."""
     match load:
         case PointForce():
@@ -107,7 +110,7 @@ def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[obj
             return (load.link, _law_key(load.torque), load.reaction or "")
         case Spring():
             return (load.points, load.links, load.stiffness, load.length, load.damping)
-    return (load.links, load.coefficient)
+    return (load.links, *(number.value for number in walk(load)))
 
 
 def _law_key(law: Law) -> tuple[object, ...]:
@@ -136,19 +139,20 @@ def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
     return Spring(table.between, (first, second), table.stiffness, table.length, table.damping, given, number)
 
 
-def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
-    """Dampers of the relative rotation of two bodies."""
-    loads = [_damper(reader, table, number) for number, table in enumerate(reader.document.dampers)]
+def between_links(reader: Reader, kind: str) -> tuple[Any, ...]:
+    """The loads of a kind that act between two bodies, whichever points these have."""
+    loads = [_between_links(reader, kind, table, number) for number, table in enumerate(getattr(reader.document, kind))]
     return tuple(sorted(loads, key=sort_key))
 
 
-def _damper(reader: Reader, table: doc.DamperTable, number: int) -> RotaryDamper:
-    """A rotary damper in SI units."""
-    where = f"dampers.{number}"
+def _between_links(reader: Reader, kind: str, table: Any, number: int) -> Any:  # noqa: ANN401 - as the kind has it
+    """A load of a kind between two bodies, with its numbers in SI units."""
+    where = f"{kind}.{number}"
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
-    return RotaryDamper((first, second), table.coefficient, number)
+    numbers = {name: getattr(table, name) for name in number_fields(BETWEEN_LINKS[kind])}
+    return BETWEEN_LINKS[kind]((first, second), **numbers, number=number)
 
 
 # The regimes of a linkage file: a released crank, or a motion that its crank follows, in SI units.
@@ -372,7 +376,8 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         forces=forces(reader),
         torques=torques(reader),
         springs=springs(reader),
-        dampers=dampers(reader),
+        dampers=between_links(reader, "dampers"),
+        torsion_springs=between_links(reader, "torsion_springs"),
         output=_output(reader),
         thread=_thread(reader),
         regimes=tuple(regime_of(reader, name) for name in sorted(document.regimes)),

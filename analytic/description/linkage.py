@@ -170,6 +170,19 @@ class RotaryDamper:
 
 
 @dataclass(frozen=True)
+class TorsionSpring:
+    """A torque ``-stiffness`` (N m/rad) times the angle of a body against a second one, less the free ``angle``.
+
+    The difference counts within half a turn to either side.
+    """
+
+    links: tuple[str, str]
+    stiffness: Annotated[float, Kind.TORQUE]
+    angle: Annotated[float, Kind.ANGLE]
+    number: int = field(default=0, compare=False, repr=False)
+
+
+@dataclass(frozen=True)
 class CylinderDrive:
     """A massless driver between two points of two bodies: its length is φ, its force pushes them apart.
 
@@ -268,10 +281,11 @@ class ThreadPath:
         return tuple(stop for stop in self.stops if isinstance(stop, ThreadEye))
 
 
+# What acts on links, and of that by kind what is between two of them, whichever points these have.
+LOADS: Final = ("forces", "torques", "springs", "dampers", "torsion_springs")
+BETWEEN_LINKS: Final[Mapping[str, type]] = {"dampers": RotaryDamper, "torsion_springs": TorsionSpring}
 # The parts with numbers that have names, in the order of the names.
-NAMED_PARTS: Final = (
-    "ground", "links", "sliders", "slots", "gravity", "forces", "torques", "springs", "dampers", "output", "sketch",
-)  # fmt: skip
+NAMED_PARTS: Final = ("ground", "links", "sliders", "slots", "gravity", *LOADS, "output", "sketch")
 
 
 @dataclass(frozen=True)
@@ -301,6 +315,7 @@ class Linkage:
     torques: tuple[LinkTorque, ...] = ()
     springs: tuple[Spring, ...] = ()
     dampers: tuple[RotaryDamper, ...] = ()
+    torsion_springs: tuple[TorsionSpring, ...] = ()
     output: Output | None = None
     thread: ThreadPath | None = None
     regimes: tuple[FileRegime, ...] = ()
@@ -391,7 +406,7 @@ class Linkage:
     @property
     def is_idle(self) -> bool:
         """Whether no torque is needed to move it: no masses and no loads."""
-        return self.is_massless and not (self.forces or self.torques or self.springs or self.dampers)
+        return self.is_massless and not any(getattr(self, kind) for kind in LOADS)
 
     def written(self, length: float) -> str:
         """A length, m, in words for a reader: in the unit of the linkage's file."""
@@ -438,8 +453,8 @@ def _name(linkage: Linkage, path: Keys) -> str:
             keys = "torques", torque.link, *_row(torque.torque, row)
         case ("springs", int(index), what):
             keys = "springs", *linkage.springs[index].points, what
-        case ("dampers", int(index), what):
-            keys = "dampers", *linkage.dampers[index].links, what
+        case (str(kind), int(index), what) if kind in BETWEEN_LINKS:
+            keys = kind, *getattr(linkage, kind)[index].links, what
     return ".".join("xy"[key] if isinstance(key, int) else key for key in keys)
 
 

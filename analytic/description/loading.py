@@ -16,11 +16,11 @@ from typing import Any, Final, TypeVar, cast
 from pydantic import BaseModel, ValidationError
 
 from analytic.description import conversion
-from analytic.description.changes import LOADS, named_numbers, with_numbers
+from analytic.description.changes import named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import LOADS, Linkage
 from analytic.description.lookup import Reader, reader_of
 from analytic.description.schema import Document
 from analytic.description.walk import Keys
@@ -431,7 +431,7 @@ def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
             written = getattr(getattr(reader.document, kind)[number], str(key))
             rows = (row,) if isinstance(written, list) else ()
             return (kind, number, key, *rows, *((component,) if kind == "forces" else ()))
-        case ("springs" | "dampers" as kind, int(index), key):
+        case (str(kind), int(index), key) if kind in LOADS:
             return (kind, getattr(linkage, kind)[index].number, key)
     return path
 

@@ -124,6 +124,14 @@ class DamperTable(TomlTable):
     coefficient: Annotated[NotNegative, Kind.TURN_DAMPING]
 
 
+class TorsionSpringTable(TomlTable):
+    """A torsion spring between two bodies, without torque at this angle of the first against the second."""
+
+    between: tuple[str, str]
+    stiffness: Annotated[NotNegative, Kind.TORQUE]  # per radian
+    angle: Annotated[Finite, Kind.ANGLE]
+
+
 class CylinderTable(TomlTable):
     """A cylinder between two points as the driver: its length is given, from ``min`` to ``max``.
 
@@ -248,6 +256,7 @@ class Document(TomlTable):
     torques: Tables[TorqueTable] = Field(default_factory=list)
     springs: Tables[SpringTable] = Field(default_factory=list)
     dampers: Tables[DamperTable] = Field(default_factory=list)
+    torsion_springs: Tables[TorsionSpringTable] = Field(default_factory=list)
     output: OutputTable | None = None
     sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)

@@ -93,6 +93,9 @@ class LoadedSweep:
         if self.turns:
             for damper in self.linkage.dampers:
                 yield from self._damper_loads(damper)
+        for coil in self.linkage.torsion_springs:
+            torque = coil.stiffness * self.sweep.turned_from(coil.links, coil.angle)
+            yield from _opposite_torques(coil.links, torque)
 
     def _mass_load(self, link: Link) -> Load:
         """Weight and inertia: m (g − S̈) at the mass centre and −J θ̈."""
@@ -129,7 +132,12 @@ class LoadedSweep:
     def _damper_loads(self, damper: RotaryDamper) -> tuple[Load, Load]:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
         torque = damper.coefficient * self.speed * (first - second)
-        return Load(damper.links[0], (0.0, 0.0), None, -torque), Load(damper.links[1], (0.0, 0.0), None, torque)
+        return _opposite_torques(damper.links, torque)
+
+
+def _opposite_torques(links: tuple[str, str], torque: Scalar) -> tuple[Load, Load]:
+    """A torque, N m, against the turning of the first body, and its reaction on the second."""
+    return Load(links[0], (0.0, 0.0), None, -torque), Load(links[1], (0.0, 0.0), None, torque)
 
 
 def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) -> Iterator[Load]:

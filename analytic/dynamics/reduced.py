@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
-from analytic.description.linkage import Link, LinkTorque, PointForce, Spring
+from analytic.description.linkage import Link, LinkTorque, PointForce, Spring, TorsionSpring
 from analytic.dynamics.joint_forces import TINY, Load, applied_loads
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
@@ -120,7 +120,9 @@ def load_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
     return total
 
 
-def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Spring, Array]]:
+def load_forces(
+    sweep: Sweep, speed: ArrayLike = 0.0
+) -> Iterator[tuple[PointForce | LinkTorque | Spring | TorsionSpring, Array]]:
     """Each force, torque and spring with its generalised force, N m."""
     linkage = sweep.linkage
     for load in linkage.applied:
@@ -129,6 +131,9 @@ def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointFor
     for number, spring in enumerate(linkage.springs):
         length, rate = spring_length(sweep, number)
         yield spring, -(spring.stiffness * (length - spring.length) * rate)
+    for coil in linkage.torsion_springs:
+        first, second = (sweep.rates(name)[2] for name in coil.links)
+        yield coil, -(coil.stiffness * sweep.turned_from(coil.links, coil.angle) * (first - second))
 
 
 def _virtual_power(sweep: Sweep, load: Load) -> Scalar:
@@ -143,7 +148,7 @@ def _virtual_power(sweep: Sweep, load: Load) -> Scalar:
 def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
     """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
     linkage = sweep.linkage
-    loaded = linkage.forces or linkage.torques or linkage.springs
+    loaded = linkage.forces or linkage.torques or linkage.springs or linkage.torsion_springs
     return gravity_force(sweep) + load_force(sweep, speed) if loaded else gravity_force(sweep)
 
 
@@ -186,6 +191,8 @@ def potential_energy(sweep: Sweep) -> Array:
                 total -= body.mass * _product_with_constant(linkage.gravity, sweep.centre(name))
     for number, spring in enumerate(linkage.springs):
         total += 0.5 * spring.stiffness * (spring_length(sweep, number)[0] - spring.length) ** 2
+    for coil in linkage.torsion_springs:
+        total += 0.5 * coil.stiffness * sweep.turned_from(coil.links, coil.angle) ** 2
     return total
 
 

@@ -214,7 +214,7 @@ def energy_imbalance(motion: FreeMotion) -> float:
 def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
     """Power of the torque, the forces and the damping, which the potential energy does not include, W."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
-    linkage = replace(mechanism.linkage, springs=(), dampers=())
+    linkage = replace(mechanism.linkage, springs=(), dampers=(), torsion_springs=())
     force = reduced.load_force(mechanism.with_loads_of(linkage).sweep(angle)) + motion.equation.torque(angle)[0]
     if motion.equation.over_time is not None:
         force = force + motion.equation.over_time(time)

@@ -209,6 +209,13 @@ class Sweep:
         _, _, c, s = self.poses(body)
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
 
+    def turned_from(self, bodies: tuple[str, str], angle: float) -> Array:
+        """Angle of a body against a second one less this angle, rad, within half a turn to either side."""
+        (_, _, c1, s1), (_, _, c2, s2) = (self.poses(body) for body in bodies)
+        c, s = frames.turned((0.0, 0.0, c2, s2), (np.cos(angle), np.sin(angle)))
+        turned: Array = np.arctan2(s1 * c - c1 * s, c1 * c + s1 * s)
+        return turned
+
     def centre(self, body: str, order: int = 0) -> Pair:
         """Mass centre of a link, or a derivative of it; stored, since all of the dynamics uses it."""
         if (body, order) not in self._centres:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM
 from analytic.description.law import Law
-from analytic.description.linkage import Link, Linkage, LinkTorque, PointForce, Spring
+from analytic.description.linkage import LOADS, Link, Linkage, LinkTorque, PointForce, Spring, TorsionSpring
 from analytic.description.written import file_unit
 from analytic.dynamics import reduced
 from analytic.dynamics.reduced import drive_torque, equilibria, load_forces
@@ -30,8 +30,7 @@ from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from comparisons.designer.figures import NEAR, REPRODUCED, check_published, compare_published
 from comparisons.designer.open_ends import INSET, RANGE_SAMPLES, good_stretches, inset_ends
 
-Load = PointForce | LinkTorque | Spring
-LOADS: Final = ("forces", "torques", "springs")
+Load = PointForce | LinkTorque | Spring | TorsionSpring
 
 FARTHEST_CENTRE: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
 # Radius of gyration of a link over its size: of parts of linkages between 0.02 and 2.
@@ -137,25 +136,27 @@ def load_name(load: Load) -> str:
             return f"force at '{load.point}'"
         case LinkTorque():
             return f"torque on '{load.link}'"
+        case TorsionSpring():
+            return f"torsion spring between {' and '.join(load.links)}"
     return f"spring between {' and '.join(load.points)}"
 
 
 def _oversized_loads(linkage: Linkage) -> Iterator[str]:
     """A load beside which gravity, inertia, damping and the other loads together are nothing."""
-    loads: tuple[Load, ...] = (*linkage.forces, *linkage.torques, *linkage.springs)
-    if not loads:
+    without_drag = [kind for kind in LOADS if kind != "dampers"]
+    if not any(getattr(linkage, kind) for kind in without_drag):
         return
     try:
-        loaded, bare = Mechanism(linkage), Mechanism(without(linkage, *LOADS))
+        loaded, bare = Mechanism(linkage), Mechanism(without(linkage, *without_drag))
     except LinkproofError:
         return
     places = loaded.turn.angle if linkage.is_linear else grid(PLACES)
     speed = 0.0 if linkage.is_linear else SPEED * RPM
     rest = bare.where_assembled(lambda sweep: -drive_torque(sweep, speed, 0.0), places)
     known = np.isfinite(rest)
-    rest, parts = rest[known], [part for _, part in load_forces(loaded.sweep(places[known]))]
-    for load, part in zip(loads, parts, strict=True):
-        besides = sum((other for other in parts if other is not part), rest)
+    rest, parts = rest[known], list(load_forces(loaded.sweep(places[known])))
+    for load, part in parts:
+        besides = sum((other for _, other in parts if other is not part), rest)
         moved, others = (float(np.max(np.abs(values), initial=0.0)) for values in (part, besides))
         if moved > MOST_TIMES * others > NOISE * moved:
             at = "" if linkage.is_linear else f" at {SPEED:g} rpm"
@@ -167,7 +168,7 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
 
 def _unit_slip(load: Load, linkage: Linkage) -> str:
     """Words on the smaller unit that a load's number may be in; "" for none."""
-    si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m"}[type(load)]
+    si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m", TorsionSpring: "N m"}[type(load)]
     unit = file_unit(si, linkage).name
     return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
 
@@ -283,7 +284,7 @@ def _turn_facts(mechanism: Mechanism) -> Facts:
             "max_at": inertia.maximum_angle,
             "min_at": inertia.minimum_angle,
         }
-    if any(linkage.gravity) or linkage.springs:
+    if any(linkage.gravity) or linkage.springs or linkage.torsion_springs:
         facts["equilibria"] = [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism)]
     if linkage.output is not None:
         facts["output"] = {
@@ -327,7 +328,7 @@ def _load_facts(linkage: Linkage) -> Facts:
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
         "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
         "gravity": any(linkage.gravity),
-        **{kind: len(getattr(linkage, kind)) for kind in ("forces", "torques", "springs", "dampers")},
+        **{kind: len(getattr(linkage, kind)) for kind in LOADS},
         "output": linkage.output.point if linkage.output else None,
         "is_idle": linkage.is_idle,
         "links": len(linkage.links),

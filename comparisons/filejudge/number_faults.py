@@ -12,9 +12,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import LOADS, changed, multiplied, named_numbers
+from analytic.description.changes import changed, multiplied, named_numbers
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Link, Linkage
+from analytic.description.linkage import GROUND, LOADS, Link, Linkage
 from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
 from analytic.description.written import kind_unit

@@ -37,7 +37,7 @@ from engines.mechanics.joints import applied_loads, force_levers, output_travel
 from engines.mechanics.start_check import data_obstacle
 from engines.mechanics.states import body_numbers, driven, start_coordinate, start_motion
 from engines.registry import installed_version
-from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
+from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, TurnSpring
 from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, check_step, run_stepping
 
 # The free crank: the constrained bodies' equation of motion projected on q', over a table of φ, integrated by SciPy.
@@ -282,7 +282,7 @@ class DirectEngine:
         drives=frozenset({Prescribed, Free}),
         timed_torque=True,
         joints=GUIDES,
-        loads=LOADS,
+        loads=LOADS | {TurnSpring},
         load_states=True,
         drivers=frozenset(DriverKind),
     )

@@ -42,7 +42,7 @@ from engines.mechanics.states import (
     pose_of,
     start_motion,
 )
-from engines.scene import AppliedForce, PointSpring, Scene
+from engines.scene import AppliedForce, PointSpring, Scene, TurnSpring
 
 
 @dataclass(frozen=True)
@@ -271,6 +271,10 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
         loads[:, second, 2] += drag
     for spring in scene.springs:
         _add_spring(loads, numbers, spring, pose, rate)
+    for coil in scene.turn_springs:
+        turned = coil.stiffness * _turned_from(coil, numbers, pose)
+        loads[:, numbers[coil.first], 2] -= turned
+        loads[:, numbers[coil.second], 2] += turned
     return loads
 
 
@@ -311,6 +315,12 @@ def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Re
     return values * ((law.when is None) | ((law.when == "advance") == (speed >= 0.0)))
 
 
+def _turned_from(coil: TurnSpring, numbers: dict[str, int], pose: Pose) -> Reals:
+    """Angle, rad, between a torsion spring's bodies less the free one, within half a turn to either side."""
+    turned = pose.angle[:, numbers[coil.first]] - pose.angle[:, numbers[coil.second]] - coil.angle
+    return np.asarray(np.pi - np.mod(np.pi - turned, 2.0 * np.pi))
+
+
 def potential_energy(scene: Scene, pose: Pose) -> Reals:
     """Energy of gravity and springs, J, (n,); that of gravity is 0 at the ground's origin."""
     numbers, masses = body_numbers(scene), body_masses(scene)
@@ -319,13 +329,15 @@ def potential_energy(scene: Scene, pose: Pose) -> Reals:
         first = pose.point(numbers[spring.first], spring.first_anchor)
         span = first - pose.point(numbers[spring.second], spring.second_anchor)
         energy += 0.5 * spring.stiffness * (np.sqrt(dot(span, span)) - spring.length) ** 2
+    for coil in scene.turn_springs:
+        energy = energy + 0.5 * coil.stiffness * _turned_from(coil, numbers, pose) ** 2
     return energy
 
 
 def without_potential(scene: Scene) -> Scene:
     """The scene without the loads that have a potential energy: what is left does work or takes it."""
     springs = tuple(replace(spring, stiffness=0.0) for spring in scene.springs if spring.damping)
-    return replace(scene, gravity=(0.0, 0.0), springs=springs)
+    return replace(scene, gravity=(0.0, 0.0), springs=springs, turn_springs=())
 
 
 def _add_force(loads: Reals, body: int, arm: Reals, force: Reals) -> None:

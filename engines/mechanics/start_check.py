@@ -93,8 +93,7 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
         return f"it takes no {scene.driver_kind} as the driver, only {known}"
     if isinstance(scene.drive, Free) and scene.drive.over_time is not None and not abilities.timed_torque:
         return "it takes no crank torque that changes with time"
-    loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
-    for part in (*scene.guided, *loads):
+    for part in (*scene.guided, *scene.loads):
         if type(part) not in abilities.joints | abilities.loads:
             return f"it has no {_type_in_words(part)}, which {_label(part)} asks for"
     laws: list[tuple[object, Law]] = [(load, load.force) for load in scene.forces]
@@ -136,15 +135,15 @@ def _data_faults(scene: Scene, least: float) -> Iterator[str]:
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         yield f"the crank '{scene.crank}' has no inertia, so that it cannot turn"
     joints = (*scene.pins, *scene.guided)
-    parts: tuple[object, ...] = (*scene.bodies, *joints, *scene.forces, *scene.torques, *scene.springs)
-    parts = (*parts, *scene.dampers, *([scene.cylinder] if scene.cylinder else []), scene.drive)
+    cylinders = [scene.cylinder] if scene.cylinder else []
+    parts: tuple[object, ...] = (*scene.bodies, *joints, *scene.loads, *cylinders, scene.drive)
     for part in parts:
         yield from (
             f"{_label(part)} names a body '{end}' that is not in the scene" for end in _named_bodies(part) - known
         )
         if not _has_usable_numbers(part):
             yield f"{_label(part)} has a number that is not finite"
-    pairs = (*joints, *([scene.cylinder] if scene.cylinder else []))
+    pairs = (*joints, *cylinders)
     yield from (f"{_label(joint)} joins a body to itself" for joint in pairs if len(_named_bodies(joint)) == 1)
     yield from (f"{_label(j)} has a line without a direction" for j in scene.guided if j.along == (0.0, 0.0))
     bodies = {body.name: body for body in scene.bodies}
