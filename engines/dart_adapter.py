@@ -61,9 +61,9 @@ class DartEngine(LoopEngine[DartRecipe]):
             Channel.POSITION: ReadOut("Skeleton.getPositions"),
             Channel.VELOCITY: ReadOut("Skeleton.getVelocities; mean of half a step before and after"),
             Channel.ACCELERATION: ReadOut("Skeleton.getAccelerations"),
-            Channel.TORQUE: ReadOut("BodyNode.getBodyForce of the crank", drive="the drive's alone"),
+            Channel.TORQUE: ReadOut("BodyNode.getBodyForce of the crank", drive="drive only"),
             Channel.JOINT_FORCE: ReadOut(
-                "BodyNode.getBodyForce of a probe", "the probe's, turned", drive="not included"
+                "BodyNode.getBodyForce of a probe", "the probe's, turned", drive="without drive"
             ),
         },
         drives=frozenset({Prescribed}),

@@ -193,9 +193,9 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
     abilities = Abilities(
         readouts={
             **{c: ReadOut(f"sensor {sensor}; angles of hinges added up") for c, sensor in KINEMATICS.items()},
-            Channel.TORQUE: ReadOut("efc_force of the equality at the driver's joint", drive="the drive's alone"),
+            Channel.TORQUE: ReadOut("efc_force of the equality at the driver's joint", drive="drive only"),
             Channel.JOINT_FORCE: ReadOut(
-                "cfrc_int of the body on it; of a cut efc_force", drive="a slider's, along its guide, is taken out"
+                "cfrc_int of the body on it; of a cut efc_force", drive="without drive: a driven slider's is subtracted"
             ),
         },
         drives=frozenset({Prescribed, Free}),

@@ -106,9 +106,9 @@ class OndselEngine(LoopEngine[OndselRecipe]):
             Channel.ACCELERATION: ReadOut("PartSeries AX, AY, AlphaZ"),
             Channel.TORQUE: ReadOut(
                 "RotationalMotionSeries TZonI, on the ground; TranslationalMotionSeries FXonI, FYonI, along the line",
-                drive="nothing else is in it",
+                drive="drive only",
             ),
-            Channel.JOINT_FORCE: ReadOut("JointSeries FXonI and FYonI, on the second body", drive="not included"),
+            Channel.JOINT_FORCE: ReadOut("JointSeries FXonI and FYonI, on the second body", drive="without drive"),
         },
         drives=frozenset({Prescribed}),
         joints=frozenset({SliderJoint, SlotJoint}),

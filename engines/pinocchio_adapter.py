@@ -60,8 +60,8 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
         readouts={
             **dict.fromkeys((Channel.POSITION, Channel.VELOCITY), ReadOut("the adapter's steps of constraintDynamics")),
             Channel.ACCELERATION: ReadOut("constraintDynamics"),
-            Channel.TORQUE: ReadOut("contact_force.angular of the drive's constraint", drive="the drive's alone"),
-            Channel.JOINT_FORCE: ReadOut("contact_force.linear", "the constraint's, turned", drive="not included"),
+            Channel.TORQUE: ReadOut("contact_force.angular of the drive's constraint", drive="drive only"),
+            Channel.JOINT_FORCE: ReadOut("contact_force.linear", "the constraint's, turned", drive="without drive"),
         },
         drives=frozenset({Prescribed}),
         joints=GUIDES,

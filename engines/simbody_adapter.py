@@ -42,11 +42,11 @@ READOUTS = {
     Channel.ACCELERATION: ReadOut("Frame.getLinearAccelerationInGround, Coordinate.getAccelerationValue"),
     Channel.TORQUE: ReadOut(
         "Joint.calcReactionOnParentExpressedInGround, moment, or force along the driven slide",
-        drive="the drive's alone",
+        drive="drive only",
     ),
     Channel.JOINT_FORCE: ReadOut(
         "Joint.calcReactionOnParentExpressedInGround, Constraint.getRecordValues",
-        drive="a slider's, along its guide, is taken out",
+        drive="without drive: a driven slider's is subtracted",
     ),
 }
 

@@ -17,8 +17,12 @@ MARK = "<!-- below: python -m docs.making.tables docs/{} -->"
 
 
 def readouts() -> str:
-    """Every engine's read-outs."""
-    return "\n\n".join(table(readout_table(name, engine(name).abilities.as_dict())) for name in own_names())
+    """Every engine's read-outs, those with the same ones in one table."""
+    alike: dict[str, tuple[list[str], dict[str, dict[str, str]]]] = {}
+    for name in own_names():
+        channels = engine(name).abilities.as_dict()
+        alike.setdefault(repr(channels), ([], channels))[0].append(name)
+    return "\n\n".join(table(readout_table(", ".join(names), channels)) for names, channels in alike.values())
 
 
 def printed_figures() -> str:

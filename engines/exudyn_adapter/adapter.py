@@ -370,13 +370,13 @@ READOUTS: Mapping[Channel, ReadOut] = {
     Channel.TORQUE: ReadOut(
         "SensorObject of the drive's ObjectConnectorCoordinate (linear: CoordinateVector), Force, with its sign turned",
         instant=END,
-        drive="alone",
+        drive="drive only",
     ),
     Channel.JOINT_FORCE: ReadOut(
         "SensorObject of the joint, Force; of ObjectJointPrismatic2D ForceLocal, turned by its body's angle",
         frame="ground; ForceLocal the body's",
         instant=END,
-        drive="not included",
+        drive="without drive",
     ),
 }
 

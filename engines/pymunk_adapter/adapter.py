@@ -275,10 +275,10 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
             Channel.TORQUE: ReadOut(
                 "SimpleMotor.impulse (linear: PinJoint.impulse) over the step, less an applied torque or force that "
                 "keeps its sign",
-                drive="the drive's own",
+                drive="drive only",
             ),
             Channel.JOINT_FORCE: ReadOut(
-                "size of PivotJoint.impulse or GrooveJoint.impulse over the step", drive="the drive exerts no force"
+                "size of PivotJoint.impulse or GrooveJoint.impulse over the step", drive="without drive"
             ),
         },
         drives=frozenset({Prescribed, Free}),
