@@ -24,6 +24,7 @@ from reports.mechanism.engines import MOST, JudgedCurve, judged_chart
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+COLUMNS = ("column", "signal", "unit", "why")
 HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")
 NOTHING = 1e-12  # a ratio that is rounding of our own
 MOST_OTHERS = 4  # causes listed besides the likeliest
@@ -49,11 +50,11 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
     parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
-    if judgement.not_judged:
-        parts += ["", "Not judged; if one is a signal, name it in a mapping (--save FILE.toml writes one):"]
-        parts.append(
-            Table("", ("column", "why"), [(f"'{c.header}' ({c.place})", w) for c, w in judgement.not_judged], "l")
-        )
+    parts += [
+        "",
+        "What the columns were read as; --map corrects it:",
+        Table("", COLUMNS, [*_columns(judgement)], "llll"),
+    ]
     return Printout(parts, [])
 
 
@@ -76,21 +77,21 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
-    """The verdict, why signals are open, the causes, what to accept in the mapping and what was accepted."""
+    """The verdict, why signals are open, the causes, what to accept and what was accepted."""
     written, unexplained = judgement.imported.written, judgement.explanation.unexplained
     lines = [sentence(judgement), *_undecided_sentences(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
     lines += [f"No known cause explains the difference in {_first_names(unexplained)}."] if unexplained else []
     for name, correction in judgement.proposals.items():
-        lines.append(f"If this is intended, accept it in the mapping: {name}: {written(name, correction)}.")
+        lines.append(f"If this is intended, accept it with {written(name, correction)}.")
     for name, agreed in judgement.imported.corrections.items():
-        lines.append(f"Accepted in the mapping and applied: {name}: {written(name, agreed)}.")
+        lines.append(f"Accepted and applied: {written(name, agreed)}.")
     return lines
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
     aligned = "".join(
-        f"with {name} corrected first ({judgement.imported.written(name, c)}) " for name, c in finding.aligned.items()
+        f"with {name} corrected first by {judgement.imported.written(name, c)} " for name, c in finding.aligned.items()
     )
     others, more = finding.others[:MOST_OTHERS], len(finding.others) - MOST_OTHERS
     also = [f"one of {more} more"] if more > 0 else []
@@ -138,6 +139,15 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
         verdict.name + ("*" if verdict.near_zero else ""), TableCell(error, colour=sign.colour), share(verdict.floor),
         f"{moment:.5g} s", place, figure(verdict.value_there / value, 5), figure(verdict.truth_there / value, 5), unit,
     )  # fmt: skip
+
+
+def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]]:
+    """Every column of the files: the signal and the unit that it was read as, and why, or why it is not judged."""
+    every = {row[1].header: row for row in reversed(judgement.imported.read)}  # a time beside every curve once
+    for name, column, assumption in reversed(every.values()):
+        yield f"'{column.header}' ({column.place})", name, column.unit, assumption
+    for column, reason in judgement.not_judged:
+        yield f"'{column.header}' ({column.place})", "not judged", "", reason
 
 
 def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:

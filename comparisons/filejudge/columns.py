@@ -9,21 +9,12 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import LinkproofError
 from comparisons.filejudge.fault import Correction
 
 Array = NDArray[np.float64]
 Axis = Literal["time", "phi"]
 
 TIME: Final = "time"  # an axis, which the closed form has under no name of its own
-
-
-class MappingNeededError(LinkproofError):
-    """Columns that only the user can tell; ``mapping_text`` is a mapping with places to fill in."""
-
-    def __init__(self, message: str, mapping_text: str) -> None:
-        super().__init__(message)
-        self.mapping_text = mapping_text
 
 
 @dataclass(frozen=True)
@@ -54,17 +45,9 @@ class ResultTable:
     columns: tuple[Column, ...]
 
 
-def correction_keys(correction: Correction, unit: float, digits: int = 17) -> list[str]:
-    """The keys of a mapping that write a correction, its offset in a ``unit`` of this SI value, with so many digits."""
-    given = {"factor": correction.factor, "time_shift": correction.time_shift, "offset": correction.offset / unit}
-    numbers = {key: float(f"{value:.{digits}g}") for key, value in given.items()}
-    neutral = {"sign": 1, "factor": 1.0}
-    return [f"{k} = {v!r}" for k, v in {"sign": correction.sign, **numbers}.items() if v != neutral.get(k, 0.0)]
-
-
 @dataclass(frozen=True)
 class ImportedSignal:
-    """A signal of the linkage by its name: SI values with angles in rad, corrections of the mapping applied.
+    """A signal of the linkage by its name: SI values with angles in rad, corrections that were agreed to applied.
 
     ``at`` (n,) is the time, s, or the crank angle, rad; ``at_resolution`` (n,) is its resolution in the file.
     ``joint_force:NAME:magnitude`` is the size of a joint's force. ``assumption`` says what was
@@ -86,15 +69,22 @@ class ImportedResults:
     """Signals of a linkage read from result files.
 
     ``corrections`` are those agreed to, by the names of signals, ``units`` the SI values of their columns' units;
-    ``mapping_text`` is a mapping of everything recognised, to be written and changed.
+    ``read`` has every column that was read, axes too: its signal, the column in the unit it was read in, and what was
+    assumed.
     """
 
     signals: tuple[ImportedSignal, ...]
     not_judged: tuple[tuple[Column, str], ...]
     corrections: Mapping[str, Correction]
-    mapping_text: str
     units: Mapping[str, float] = field(default_factory=dict)
+    read: tuple[tuple[str, Column, str], ...] = ()
 
     def written(self, signal: str, correction: Correction) -> str:
-        """A correction of a signal's column as a mapping writes it; "nothing" for none."""
-        return ", ".join(correction_keys(correction, self.units.get(signal, 1.0), 6)) or "nothing"
+        """The option that says a correction of a signal's column: ``--map "Torque=-Mkr [N*mm]"``."""
+        column = next(column for name, column, _ in self.read if name == signal)
+        unit, factor = f" [{column.unit}]", 1.0 / correction.factor
+        offset = -correction.sign * correction.offset * factor / self.units.get(signal, 1.0)
+        sign, times = "-" if correction.sign < 0 else "", f"{factor:.9g}*" if factor != 1.0 else ""
+        added = f" {'+' if offset > 0.0 else '-'} {abs(offset):.9g}" if offset else ""
+        later = f" @ {correction.time_shift:+.9g} s" if correction.time_shift else ""
+        return f'--map "{column.header}={sign}{times}{signal}{unit}{added}{later}"'

@@ -1,7 +1,7 @@
 """A header as words with their meanings, and the signal it means: the one of which all its words and its unit are true.
 
 Of every signal it is known which words are true of it and which it needs. No word of a header is passed over: one that
-is unknown, or true of no signal that the others mean, leaves the column to the mapping.
+is unknown, or true of no signal that the others mean, leaves the column to the user.
 """
 
 from __future__ import annotations

@@ -294,7 +294,7 @@ class ImportedJudgement:
 
     @property
     def proposals(self) -> dict[str, Correction]:
-        """Corrections by the names of signals that would make them right, to be agreed to in the mapping."""
+        """Corrections by the names of signals that would make them right, to be agreed to."""
         known = self.imported
         columns = [signal.name for signal in known.signals] + [signal.axis for signal in known.signals]
         return proposals(self.explanation, dict.fromkeys(columns), known.corrections)
@@ -344,8 +344,8 @@ def judge(
     if not signals:
         reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
         raise LinkproofError(
-            f"expected a signal to judge, got none besides the crank's motion ({source}){reasons}; name columns in a "
-            "mapping, or export more of them"
+            f"expected a signal to judge, got none besides the crank's motion ({source}){reasons}; name columns "
+            "with --map, or export more of them"
         )
     truth = model.predict(signals)
     signals = [_without_turns(signal, values) for signal, values in zip(signals, truth, strict=True)]
@@ -388,7 +388,7 @@ def _crank_motion(
     cure = "--speed" if kind.endswith("angle") else "--regime"
     raise LinkproofError(
         f"crank's motion: expected a column of the crank's angle or speed, got signals {kind} without one; say how the "
-        f"crank moves with {cure}, or name the column in a mapping"
+        f"crank moves with {cure}, or name the column with --map"
     )
 
 

@@ -104,12 +104,12 @@ def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
     return every
 
 
-def read_text(path: Path, encoding: str = "") -> ResultText:
+def read_text(path: Path, encoding: str = "", expected: str = EXPECTED) -> ResultText:
     """The text of a file: UTF-8, UTF-16 with its mark, or the ``encoding`` that the user names.
 
     Raises LinkproofError if it is none.
     """
-    content, name = read_file(path, EXPECTED, LARGEST), printable(str(path))
+    content, name = read_file(path, expected, LARGEST), printable(str(path))
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     encoding = encoding or ("utf-16" if is_wide else "utf-8-sig")
     try:
@@ -127,7 +127,7 @@ def read_text(path: Path, encoding: str = "") -> ResultText:
     control = CONTROL.search(text)
     if control:
         line = text.count("\n", 0, control.start()) + 1
-        raise LinkproofError(f"{name}:{line}: expected {EXPECTED}, got a binary file; export the results as CSV")
+        raise LinkproofError(f"{name}:{line}: expected {expected}, got a binary file; export the results as CSV")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if not text.isascii():  # sign by sign is faster than str.translate, by far
         for sign, simple in PLAIN_SIGNS.items():

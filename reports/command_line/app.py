@@ -261,8 +261,7 @@ def compare(
     summary="Judge a curve from another tool: right or wrong, and the probable cause.",
     without=("junit",),
     texts={
-        "save": "Draw the worst curves and the differences (.svg .png .pdf), or write the verdicts (.json) or the "
-        "recognised mapping (.toml); repeatable."
+        "save": "Draw the worst curves and the differences (.svg .png .pdf), or write the verdicts (.json); repeatable."
     },
 )
 def judge(options: JudgeOptions, output: OutputOptions) -> int:
@@ -271,7 +270,7 @@ def judge(options: JudgeOptions, output: OutputOptions) -> int:
     MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
 
     The crank's motion is taken from the file's angle or speed column, or from --regime. Nothing in a file is
-    interpolated or smoothed; only corrections in the mapping are applied.
+    interpolated or smoothed; only corrections that --map states are applied.
 
     Exit codes: 0 every signal within the limit, 1 otherwise, 2 bad input or nothing to judge.
     """

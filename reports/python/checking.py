@@ -100,7 +100,7 @@ def judge(linkage: Linkage | str | Path, *results: str | Path, options: JudgeOpt
     """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
 
     The judgement has ``passed``, and ``verdicts`` of every signal; ``str`` is what the command prints. Raises
-    LinkproofError for unreadable files; a ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
+    LinkproofError for unreadable files and for columns that only the user can tell, by ``map``.
     """
     paths = tuple(map(Path, results))
     check_judgement(options)

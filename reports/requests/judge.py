@@ -28,10 +28,10 @@ def check_judgement(options: JudgeOptions) -> None:
 def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
     """The judgement of a tool's results against the closed form of a linkage.
 
-    Raises LinkproofError for files that cannot be read, among them ``MappingNeededError``.
+    Raises LinkproofError for files that cannot be read.
     """
     model = linkage if options.gravity else without(linkage, "gravity")
-    imported = read_results(options.results, model, options.mapping, options.encoding)
+    imported = read_results(options.results, model, options.map, options.encoding)
     return judge_results(
         model,
         imported,

@@ -244,7 +244,14 @@ class JudgeOptions(MotionOptions):
 
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)] = ""
     results: Annotated[tuple[Path, ...], Argument("RESULTS", is_required=True)] = ()
-    mapping: Annotated[Path | None, Option("The meaning of each column, and accepted corrections.", "FILE")] = None
+    map: Annotated[
+        tuple[str, ...],
+        Option(
+            "What a column is, such as 'Motor Torque12=-Mkr [N*mm]', nothing after = to leave it out; or a file of "
+            "such lines; repeatable.",
+            "COLUMN=SIGNAL",
+        ),
+    ] = ()
     encoding: Annotated[
         str, Option("Encoding of files that are not UTF-8 or UTF-16, such as cp1252 or cp1251.", "NAME")
     ] = ""

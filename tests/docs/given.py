@@ -15,7 +15,6 @@ from tests.comparisons.filejudge.layouts import Channel, exported, solidworks, w
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 TITLES = (("Motor Torque12", "newton-millimeter", 1e3, "Mkr"), ("Angular Displacement1", "deg", 180.0 / np.pi, "phi"),
           ("Reaction Force3", "newton", 1.0, "joint_force:A:magnitude"))  # fmt: skip
-MAPPING = '[[column]]\nheader = "Motor Torque12 (newton-millimeter)"\nsignal = "Mkr"\nsign = -1\n'
 
 
 def needle() -> str:
@@ -42,7 +41,6 @@ def brief() -> str:
 
 GIVEN = {
     "needle.csv": needle,
-    "mapping.toml": lambda: MAPPING,
     "short.toml": short,
     "brief.toml": brief,
     "path/to/mine.toml": lambda: (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8"),

@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.filejudge.columns import MappingNeededError
 from comparisons.filejudge.judge import ImportedJudgement
-from comparisons.filejudge.reading import with_proposals
 from comparisons.trials.campaign.campaign import CampaignRequest
 from comparisons.trials.campaign.results import document as saved_document
 from comparisons.trials.campaign.results import save
@@ -42,22 +40,11 @@ def judge(options: JudgeOptions, destination: Destination) -> int:
     """Judge result files, print and write the verdicts; returns the exit code."""
     destination.check(PAGE)
     read = {"the linkage's file": Path(options.mechanism), **{f"'{result}'": result for result in options.results}}
-    destination.check_saves({**MAPPING, **WRITERS}, read)
+    destination.check_saves(WRITERS, read)
     check_judgement(options)
-    _check_is_new(destination, options.mapping)
     linkage = load(options.mechanism, options.variant)
     destination.warn([linkage])
-    try:
-        judgement = judge_files(options, linkage)
-    except MappingNeededError as error:
-        if not destination.saves(*MAPPING):
-            raise LinkproofError(f"{error}; --save FILE.toml writes one to fill in") from error
-        destination.write_saves(MAPPING, error.mapping_text)
-        _announce_mapping(destination, "mapping to fill in")
-        raise
-    imported = judgement.imported
-    destination.write_saves(MAPPING, with_proposals(imported.mapping_text, judgement.proposals, imported.units))
-    _announce_mapping(destination, "mapping")
+    judgement = judge_files(options, linkage)
     command = command_line("judge", options)
     if destination.out is not None:
         _write_page(options, judgement, command, destination.out)
@@ -83,22 +70,7 @@ def _json(_judgement: object, _title: str, facts: Mapping[str, Any]) -> str:
     return to_json(facts)
 
 
-MAPPING: Final[Writers] = {".toml": str}
 WRITERS: Final[Writers] = {".json": _json, **picture_writers(_figure)}
-
-
-def _announce_mapping(destination: Destination, what: str) -> None:
-    for file in destination.save:
-        if file.suffix.lower() in MAPPING:
-            destination.remark(f"{what}: {file}")
-
-
-def _check_is_new(destination: Destination, mapping: Path | None) -> None:
-    """Raise LinkproofError where a mapping, in which a user may have agreed to something, would be overwritten."""
-    for path in destination.save:
-        is_mapping = path.suffix.lower() in MAPPING
-        if is_mapping and path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
-            raise LinkproofError(f"--save: '{path}' exists already: use it with --mapping, or give another name")
 
 
 def _write_page(options: JudgeOptions, judgement: ImportedJudgement, command: str, folder: Path) -> None:

@@ -45,7 +45,7 @@ def results_of(values, time, *, digits=6):
         at, at_half = rounded(time, 10)
         column = Column(name, "", printed, half, "made up")
         signals.append(ImportedSignal(name, "time", at, printed, half, column, at_half))
-    return ImportedResults(tuple(signals), (), {}, "")
+    return ImportedResults(tuple(signals), (), {}, {}, tuple((s.name, s.column, "") for s in signals))
 
 
 def with_link(linkage, name, **changes):

@@ -2,7 +2,7 @@
 
 import math
 import os
-import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
-from comparisons.filejudge.columns import Column, Correction, MappingNeededError
+from comparisons.filejudge.columns import Column, Correction
 from comparisons.filejudge.headers import HeaderParser, NotJudgedError, parse_unit
-from comparisons.filejudge.reading import read_results, with_proposals
+from comparisons.filejudge.reading import map_entries, read_results
 from tests.analytic.linkages import driven
-from tests.comparisons.filejudge.layouts import Channel, solidworks
+from tests.comparisons.filejudge.layouts import Channel, results_of, solidworks
 
 READ = HeaderParser(load("juki-mf7923d"))
 
@@ -180,18 +180,15 @@ def test_a_speed_of_rotation_may_be_in_one_over_seconds_and_nothing_else_may_los
     assert not parse_unit("-").measures((0, 0, 0, 1))
 
 
-def read(tmp_path, text, mapping=None, name="run.csv", encoding=""):
+def read(tmp_path, text, *said, name="run.csv", encoding=""):
     file = tmp_path / name
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    if mapping is not None:
-        (tmp_path / "mapping.toml").write_text(mapping)
-        mapping = tmp_path / "mapping.toml"
-    return read_results([file], JUKI, mapping, encoding)
+    return read_results([file], JUKI, said, encoding)
 
 
-def message(tmp_path, text, mapping=None, name="run.csv"):
+def message(tmp_path, text, *said):
     with pytest.raises(LinkproofError) as caught:
-        read(tmp_path, text, mapping, name)
+        read(tmp_path, text, *said)
     return str(caught.value).replace(f"{tmp_path}/", "")
 
 
@@ -228,36 +225,45 @@ def test_the_crank_angle_is_the_axis_where_there_is_no_time(tmp_path):
     np.testing.assert_allclose(signal.resolution, 0.05)
 
 
-def test_what_only_the_user_can_tell_is_asked_for_with_a_mapping_to_fill_in(tmp_path):
-    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 'Time' and 1 more") as caught:
-        read(tmp_path, f"Time,Torque\n{ROWS}")
-    text = caught.value.mapping_text
-    assert text.count('unit = ""  # fill in') == 2
-    assert "expected the name of the column's unit" in message(tmp_path, f"Time,Torque\n{ROWS}", text)
-    filled = text.replace('""  # fill in', '"s"', 1).replace('""  # fill in', '"N*mm"', 1)
-    (signal,) = read(tmp_path, f"Time,Torque\n{ROWS}", filled).signals
+def test_what_only_the_user_can_tell_is_asked_for(tmp_path):
+    text = f"Time,Torque\n{ROWS}"
+    assert "of time in the header 'Time' and 1 more, got none; add it with --map \"Time=time [s]\"" in message(
+        tmp_path, text
+    )
+    (signal,) = read(tmp_path, text, "Time=time [s]", "Torque=Mkr [N*mm]").signals
     np.testing.assert_allclose(signal.values, [1.5e-3, 2.25e-3, 3e-3, 4e-3])
+    (tmp_path / "columns.txt").write_text("Time=time [s]\n\nTorque = Mkr [N*mm]\n")
+    assert read(tmp_path, text, str(tmp_path / "columns.txt")).signals[0].values.tolist() == signal.values.tolist()
 
 
-def test_the_mapping_of_a_reading_reads_the_same(tmp_path):
-    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
-    first = read(tmp_path, text)
-    second = read(tmp_path, text, first.mapping_text)
-    assert [s.name for s in first.signals] == [s.name for s in second.signals] == ["Mkr"]
-    assert second.mapping_text == first.mapping_text
-    assert not second.corrections
+def test_what_is_said_of_a_column_is_an_equation_that_is_solved_for_the_signal(tmp_path):
+    text = f"Zeit [s],Moment [Nmm]\n{ROWS}"
+    (plain,) = read(tmp_path, text).signals
+    agreed = read(tmp_path, text, "Moment [Nmm]=-2*Mkr [N*mm] + 0.5 @ +0.25 s")
+    (signal,) = agreed.signals
+    np.testing.assert_allclose(-2.0 * signal.values + 0.5e-3, plain.values)
+    np.testing.assert_allclose(signal.at, plain.at + 0.25)
+    np.testing.assert_allclose(signal.resolution, 0.5 * plain.resolution)
+    assert agreed.corrections == {"Mkr": Correction(-1, 0.5, 0.25, 0.25e-3)}
+    assert agreed.read[1][:1] + agreed.read[1][2:] == ("Mkr", "")
 
 
-def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
-    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
-    plain = read(tmp_path, text)
-    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25, 0.5)}, {"Mkr": 1e-3})
-    assert not read(tmp_path, text, proposed).corrections
-    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift|offset) =)", "", proposed))
-    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25, 500.0)}
-    np.testing.assert_allclose(agreed.signals[0].values, 500.0 - 2.0 * plain.signals[0].values)
-    np.testing.assert_allclose(agreed.signals[0].at, plain.signals[0].at + 0.25)
-    np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
+@given(
+    sign=st.sampled_from([1, -1]),
+    numbers=st.tuples(st.floats(1e-6, 1e6), st.floats(-1e3, 1e3), st.floats(-1e6, 1e6)).map(
+        lambda each: [float(f"{x:.6g}") if abs(x) > 1e-9 else 0.0 for x in each]
+    ),
+)
+def test_a_correction_that_is_printed_reads_as_itself(sign, numbers):
+    factor, shift, offset = numbers
+    results = results_of({"Mkr": np.ones(4)}, TIME[:4])
+    results = replace(results, read=(("Mkr", replace(results.signals[0].column, unit="N*m"), ""),))
+    correction = Correction(sign, factor, shift, offset)
+    words = results.written("Mkr", correction).removeprefix('--map "').removesuffix('"')
+    ((header, entry),) = map_entries([words], ["Mkr"]).items()
+    assert (header, entry.signal, entry.unit) == ("Mkr", "Mkr", "N*m")
+    read_back = (entry.correction.factor, entry.correction.time_shift, entry.correction.offset)
+    assert (entry.correction.sign, read_back) == (sign, pytest.approx(numbers, rel=1e-6))
 
 
 TORQUE = "Time [s],Torque [Nm]\n"
@@ -297,31 +303,32 @@ def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
     assert expected in message(tmp_path, text)
 
 
-BAD_MAPPINGS = {
-    "# nothing\n": "mapping.toml:1: expected a mapping that names a column",
-    '[[column]]\nheader = "Tim"\n': "mapping.toml:2: column #1.header: unknown column 'Tim': did",
-    'ignore = ["Tim"]\n': "mapping.toml:1: ignore #1: unknown column 'Tim'",
-    '[[column]]\nheader = "Time"\nsgn = 1\n': "mapping.toml:3: column #1.sgn: unknown key 'sgn': did",
-    '[[column]]\nheader = "Time"\nunit = "mm"\n': "mapping.toml:3: column #1.unit: unknown unit of time 'mm'",
-    '[[column]]\nheader = "Torque"\nsignal = "Mk"\n': "column #1.signal: unknown signal 'Mk': did you",
-    '[[column]]\nheader = "Torque"\nfactor = 0.0\n': "column #1.factor: expected a positive finite number, got 0",
-    '[[column]]\nheader = "Torque"\nsign = 2\n': "column #1.sign: expected 1 or -1, got 2",
-    '[[column]]\nheader = "Torque"\n' * 2: "column #2.header: expected one entry for",
-    "[[column]\n": "mapping.toml:1: not valid TOML",
+BAD_ENTRIES = {
+    "Torque=Mk [N*m]": "--map 'Torque=Mk [N*m]': unknown signal 'Mk': did you mean",
+    "Tim=time [s]": "--map 'Tim=time [s]': unknown column 'Tim': did you mean",
+    "Time=time [mm]": "--map 'Time=time [mm]': unknown unit of time 'mm'",
+    "Torque=0*Mkr": "--map: expected COLUMN=SIGNAL [UNIT], such as \"Motor Torque12=-Mkr [N*mm]\", got 'Torque=0*Mkr'",
+    "Torque=Mkr [N*m] + x": "--map: expected COLUMN=SIGNAL [UNIT]",
+    "=Mkr": "--map: expected COLUMN=SIGNAL [UNIT]",
+    "columns.txt": "or a file of such lines, got 'columns.txt', which does not exist",
 }
 
 
-@pytest.mark.parametrize(("mapping", "expected"), BAD_MAPPINGS.items(), ids=BAD_MAPPINGS.values())
-def test_bad_mappings_are_told_with_file_and_line(tmp_path, mapping, expected):
-    assert expected in message(tmp_path, f"Time,Torque\n{ROWS}", mapping)
+@pytest.mark.parametrize(("entry", "expected"), BAD_ENTRIES.items(), ids=BAD_ENTRIES.values())
+def test_what_cannot_be_said_of_a_column_is_refused(tmp_path, entry, expected):
+    assert expected in message(tmp_path, f"Time,Torque\n{ROWS}", entry)
+
+
+def test_two_entries_of_a_column_are_refused(tmp_path):
+    said = ("Torque=Mkr [N*m]", "Torque=phi [deg]")
+    assert "expected one entry for a column, got two" in message(tmp_path, f"Time,Torque\n{ROWS}", *said)
 
 
 def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_leaves_the_angle(tmp_path):
     for number in (1, 2):
         (tmp_path / f"{number}.csv").write_text(f"t [s],phi [rad],M [Nm]\n0,0,{number}\n1,1,2\n2,2,3\n3,4,5\n")
-    (tmp_path / "mapping.toml").write_text('ignore = ["t [s]", "M [Nm]"]\n')
     files = [tmp_path / "1.csv", tmp_path / "2.csv"]
-    (signal,) = read_results(files, JUKI, tmp_path / "mapping.toml").signals
+    (signal,) = read_results(files, JUKI, ["t [s]=", "M [Nm]="]).signals
     assert (signal.axis, signal.column.header, signal.values[0]) == ("phi", "M [Nm] #2", 2.0)
     assert signal.at.tolist() == [0.0, 1.0, 2.0, 4.0]
 

@@ -33,14 +33,11 @@ RIGHT = ("clean", "first")
 def judged(export):
     """The judgement of an export, by the files that a user has."""
     with tempfile.TemporaryDirectory() as folder:
-        model, file, agreed = (
-            Path(folder) / n for n in ("model.toml", f"run.{ENDINGS.get(export.layout, 'csv')}", "mapping.toml")
-        )
+        model, file = (Path(folder) / n for n in ("model.toml", f"run.{ENDINGS.get(export.layout, 'csv')}"))
         model.write_text(export.linkage)
-        agreed.write_text(export.mapping)
         file.write_bytes(export.text if isinstance(export.text, bytes) else export.text.encode())
         linkage = load(str(model))
-        return judge(linkage, read_results([file], linkage, agreed if export.mapping else None), _stated(export.stated))
+        return judge(linkage, read_results([file], linkage, export.mapping), _stated(export.stated))
 
 
 def _stated(motion):

@@ -67,7 +67,7 @@ class Exported:
     plans: tuple[Plan, ...]
     stated: Turning | None
     text: str | bytes
-    mapping: str
+    mapping: tuple[str, ...]
     layout: str
     back: Mapping[str, str]
 
@@ -143,7 +143,7 @@ def title(name, layout):
 
 
 def written(layout, digits, curves, style):
-    """The file's text, and a mapping where the layout says no names."""
+    """The file's text, and what its columns are where the layout says no names."""
     rounded = curves["time"] if layout == "mat" else np.array([float(f"{t:.10g}") for t in curves["time"]])
     units = {n: (("", 1.0) if layout in IN_SI else PRINTED[unit_kind(n)][style]) for n in curves}
     found = [
@@ -180,11 +180,7 @@ def written(layout, digits, curves, style):
     unit_names = {
         n: PRINTED[unit_kind(n)][0 if n == "Mkr" else 1][0] if layout in IN_SI else units[n][0] for n in curves
     }
-    keys = (
-        f'header = "{h}"\nsignal = "{n}"\n' + (f'unit = "{unit_names[n]}"\n' if layout != "res" else "")
-        for h, n in mapped.items()
-    )
-    return text, "\n".join(f"[[column]]\n{entry}" for entry in keys)
+    return text, tuple(f"{h}={n}" + (f" [{unit_names[n]}]" if layout != "res" else "") for h, n in mapped.items())
 
 
 def case(seed, number, faults, *, rename=False):

@@ -33,7 +33,7 @@ READ = {
     "results": (".csv", "judge juki-mf7923d {}"),
     "results, a workbook": (".xlsx", "judge juki-mf7923d {}"),
     "results of MATLAB": (".mat", "judge juki-mf7923d {}"),
-    "mapping": (".toml", "judge juki-mf7923d results.csv --mapping {}"),
+    "map": (".txt", "judge juki-mf7923d results.csv --map {}"),
     "limits": (".toml", "compare juki-mf7923d --engine direct --jobs 0 --limits {}"),
     "recorded results": (".csv", "compare juki-mf7923d --engine direct --jobs 0 --against {}"),
     "designs": (".csv", "sweep juki-mf7923d --table {}"),

@@ -1,4 +1,4 @@
-"""``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON, the mapping."""
+"""``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON."""
 
 import json
 
@@ -42,23 +42,14 @@ def judge(*words):
     return linkproof("judge", "juki-mf7923d", *words)
 
 
-def test_a_sign_is_named_and_passes_once_the_mapping_accepts_it(folder):
-    done = judge("wrong.csv", *RUN_UP, "--save", "mapping.toml")
+def test_a_sign_is_named_and_passes_once_it_is_accepted(folder):
+    done = judge("wrong.csv", *RUN_UP)
     assert done.returncode == 1
     assert done.stdout.splitlines()[2].startswith("Likely cause of the difference in Mkr: Mkr has the other sign")
-    assert "accept it in the mapping: Mkr: sign = -1.\n" in done.stdout
-    mapping = folder / "mapping.toml"
-    text = mapping.read_text()
-    assert "exists already: use it with --mapping" in refused(
-        "judge", "juki-mf7923d", "wrong.csv", *RUN_UP, "--save", "mapping.toml"
-    )
-    assert mapping.read_text() == text
-    accepted = [line.removeprefix("# ") if "sign = -1" in line else line for line in text.splitlines()]
-    assert accepted != text.splitlines()
-    mapping.write_text("\n".join(accepted))
-    done = judge("wrong.csv", *RUN_UP, "--mapping", "mapping.toml", "--save", "mapping.toml")
+    assert 'accept it with --map "Mkr [N*m]=-Mkr [N*m]".\n' in done.stdout
+    done = judge("wrong.csv", *RUN_UP, "--map", "Mkr [N*m]=-Mkr [N*m]")
     assert done.returncode == 0
-    assert "Accepted in the mapping and applied: Mkr: sign = -1" in done.stdout
+    assert 'Accepted and applied: --map "Mkr [N*m]=-Mkr [N*m]".' in done.stdout
 
 
 def test_json_on_stdout_is_one_object(folder):
@@ -88,7 +79,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(folder):
     head = page[page.index("<header>") : page.index("<section")].replace("\N{NO-BREAK SPACE}", " ")
     for words in (
         "Juki MF-7923D needle mechanism", "Not right: 1 of 3 signals over",
-        "Likely cause of the difference in Mkr: Mkr has the other sign", "accept it in the mapping: Mkr: sign = -1",
+        "Likely cause of the difference in Mkr: Mkr has the other sign", "accept it with --map",
     ):  # fmt: skip
         assert words in head
     assert "not installed" not in page
