@@ -252,6 +252,8 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
         return "it passes change points, where its formulas branch"
     if motion is None:
         return "its crank is released, so that the motion follows from masses and loads"
+    if not motion.peak_speed:
+        return "its crank stands still"
     listed = _trace_signals(mechanism, motion)
     looked_up = [hashable for hashable in listed.trace.inputs if isinstance(hashable, tuple)]
     if len(listed.trace.operations) > MOST_OPERATIONS or any(order for _, order, _ in looked_up):

@@ -144,6 +144,28 @@ class CrankMotion:
         return self._evaluate(time, 2)
 
 
+class Standstill(CrankMotion):
+    """The crank angles of a motion one after the other, at each of which the crank stands still: for statics."""
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """Zero."""
+        return 0.0
+
+    @cached_property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps: none."""
+        return ()
+
+    def speed(self, time: ArrayLike) -> NDArray[np.float64]:
+        """ω(t), zero."""
+        return np.zeros(np.shape(time))
+
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """ε(t), zero."""
+        return np.zeros(np.shape(time))
+
+
 def check_number(name: str, value: float, unit: str, least: float) -> None:
     """Raise LinkproofError for a number of a motion that is not finite, below ``least`` or beyond LARGEST."""
     if not least <= value <= LARGEST:  # written so that nan fails too

@@ -125,8 +125,9 @@ def conditions(case: Case) -> str:
     most = "" if Instants(motion).is_steady else "up to "
     mark = "°" if angle.name == "deg" else f" {angle.name}"
     speed = f"{most}{motion.peak_speed / unit.size:.6g} {unit.name}{sign}"
-    course = f"φ from {first:.6g}{mark} to {last:.6g}{mark} in {motion.duration:.4g} s"
-    return f"{name}: {motion.regime}, {speed}, {course}, gravity {'on' if any(linkage.gravity) else 'off'}"
+    course = f"φ from {first:.6g}{mark} to {last:.6g}{mark}"
+    moves = f", {speed}, {course} in {motion.duration:.4g} s" if motion.peak_speed else f", {course}"
+    return f"{name}: {motion.regime}{moves}, gravity {'on' if any(linkage.gravity) else 'off'}"
 
 
 def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) -> Sheet:
@@ -366,7 +367,7 @@ def _attempt(make: Callable[[], T]) -> T | None:
 
 
 def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
-    names = ("mean_speed", "mean_speed_over_angle", "fluctuation")
+    names = ("mean_speed", "mean_speed_over_angle", "fluctuation", "smallest", "largest")
     return None if rotation is None else {name: getattr(rotation, name) for name in names}
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import signals
-from analytic.description.crank_motion import CrankMotion
+from analytic.description.crank_motion import CrankMotion, Standstill
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.written import finite
@@ -66,6 +66,8 @@ class Instants:
     @cached_property
     def is_steady(self) -> bool:
         """Whether the crank turns at one speed all the time, so that φ is the axis."""
+        if isinstance(self.motion, Standstill):
+            return True
         time = np.linspace(0.0, self.motion.duration, FEWEST)
         speed = self.motion.speed(time)
         return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))

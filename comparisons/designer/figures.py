@@ -99,6 +99,8 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     points = {what: curves.values(LOAD, time) for what, time in places.items()}
     least = NEGLIGIBLE * max(abs(power) for *_, power in points.values())
     for what, point in points.items():
+        if "power" in what and not curves.case.motion.peak_speed:
+            continue
         if what != BRAKING or point[-1] < -least:
             yield from load(what.replace("torque", force), point, places[what])
     square, *means = curves.means(

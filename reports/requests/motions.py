@@ -26,10 +26,10 @@ from analytic.description.crank_motion import (
     RPM,
     CrankMotion,
     Segment,
+    Standstill,
     crank_motion,
     swing,
 )
-from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.description.written import file_unit
@@ -75,6 +75,11 @@ def requested_case(options: MotionOptions, mechanism: Mechanism) -> Case:
 
     Raises LinkproofError for a motion that is impossible or unknown, and for several.
     """
+    if options.speed == 0.0:
+        moving = requested_case(replace(options, speed=1.0), mechanism)
+        if not isinstance(moving.motion, CrankMotion):
+            raise LinkproofError("--speed 0 holds the crank, and the regime releases it: leave one of the two out")
+        return replace(moving, motion=Standstill("at rest", moving.motion.segments))
     case = _named_case(options, mechanism)
     has_length = options.swings or _is_timed(options) or _own_regimes(options, [mechanism.linkage])
     if case is None or (options.regime == (STEADY,) and not has_length):
@@ -136,7 +141,9 @@ def _default_case(options: MotionOptions, mechanism: Mechanism) -> Case:
     speed, backwards = abs(options.rpm) * RPM, options.turns_back
     reach = mechanism.crank_range(start if options.start_angle else None)
     if reach.is_full_turn:
-        motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
+        motion = CrankMotion(
+            STEADY, (Segment(0.0, mechanism.linkage.load_period / speed, (start, -speed if backwards else speed)),)
+        )
         return Case(mechanism, motion)
     return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 

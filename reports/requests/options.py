@@ -156,7 +156,10 @@ class MotionOptions:
     ] = ()
     speed: Annotated[
         float | None,
-        Option("Final crank speed, or the largest of a swing; negative turns clockwise; default: 1000.", "RPM"),
+        Option(
+            "Final crank speed, or the largest of a swing; negative turns clockwise; 0 in results; default: 1000.",
+            "RPM",
+        ),
     ] = None
     ramp_time: Annotated[float, Option("Time to reach this speed.", "SECONDS")] = 0.6
     hold_time: Annotated[float, Option("Time at this speed.", "SECONDS")] = 0.1

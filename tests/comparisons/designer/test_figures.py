@@ -1,5 +1,6 @@
 """Instants of a motion, and key figures against a piston engine's formulas in 50 digits and against brute force."""
 
+import json
 import math
 
 import mpmath as mp
@@ -16,6 +17,8 @@ from comparisons.designer.figures import BRAKING, MEAN
 from comparisons.motion.case import Case
 from linkproof import sweep
 from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism
+from tests.analytic.textbook import PENDULUM
+from tests.commands import linkproof
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, curves, engine, piston, piston_text, results
 
 RUN_UP = crank_motion("run-up", speed=600 * RPM, ramp_time=0.1, hold_time=0.1, start_angle=math.radians(20))
@@ -205,3 +208,16 @@ def test_peaks_and_means_of_a_load_of_straight_lines_are_exact():
     swept = sweep(file, {"crank.A.x": [19.0, 21.0]}, ("Mkr.max", "Mkr.min", "Mkr.rms", "Mkr.mean"), refine=True)
     for name, value in zip(swept, (1.0, -0.2, rms, mean), strict=True):
         assert swept[name].to_numpy() == pytest.approx(np.full(2, value), rel=1e-14), name
+
+
+def test_a_crank_that_stands_still_takes_the_torque_that_holds_the_weights(tmp_path):
+    """Of a pendulum 2 kg · 9.81 m/s² · 0.5 m · cos φ, whatever its speed would be; a released crank is not held."""
+    file = tmp_path / "pendulum.toml"
+    file.write_text(PENDULUM + "[regimes.go]\nstart_angle = 0\nduration = 1\n", encoding="utf-8")
+    found = json.loads(linkproof("results", file, "--speed", "0", "--json").stdout)
+    phi, torque = (np.array(found["values"][name]) for name in ("phi", "Mkr"))
+    assert torque == pytest.approx(9.81 * np.cos(phi), abs=1e-13)
+    assert np.ptp(phi) == pytest.approx(2.0 * np.pi)
+    assert not np.any([found["values"][name] for name in ("omega", "epsilon", "Peq")])
+    released = linkproof("results", file, "--speed", "0", "--regime", "go")
+    assert (released.returncode, "holds the crank, and the regime releases it" in released.stderr) == (2, True)
