@@ -164,6 +164,7 @@ def _is_ours(module: str) -> bool:
 # Which engines are installed, and keeping them quiet and apart.
 
 
+@cache
 def installed_version(name: str) -> str | None:
     """Version of an installed engine; None where it is absent."""
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -87,12 +87,16 @@ NAMED = (0, 1, 4)
 
 def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
     """The cheapest engines for a few errors, in words for every regime; a share ``noise`` of a time is nothing."""
+    chosen = {
+        name: [[choices(points) for points in engines(place) if not points.is_control.any()] for place in places]
+        for name, places in regimes.items()
+    }
     return tuple(
-        Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: places}), count=len(places),
+        Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: regimes[name]}), count=len(places),
                            noise=noise,
                            wins=[(_share(WANTED[column]), _winners(places, column, noise)) for column in NAMED]),
                   "verdict")
-        for name, places in regimes.items()
+        for name, places in chosen.items()
     )  # fmt: skip
 
 
@@ -101,23 +105,18 @@ def _share(error: float) -> str:
     return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
 
 
-def _winners(places: Sequence[DataFrame], column: int, noise: float) -> list[tuple[str, str, int]]:
+def _winners(places: Sequence[Sequence[Sequence[Row | None]]], column: int, noise: float) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first.
 
-    All whose times are within the noise of the least are the cheapest.
+    ``places`` have the choices of every engine. All whose times are within the noise of the least are the cheapest.
     """
     best = []
     for place in places:
-        records = _points_reaching((points for points in engines(place) if not points.is_control.any()), column)
+        records = [record for ways in place if (record := ways[column]) is not None]
         least = min((record.total_seconds for record in records), default=0.0)
         best += [record for record in records if record.total_seconds <= least * (1.0 + noise)]
     wins = grouped((record.engine, record) for record in best)
     return [(name, _time_span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
-
-
-def _points_reaching(engines: Iterable[DataFrame], column: int) -> list[Row]:
-    """The cheapest point of every engine that reaches the error of a column."""
-    return [record for points in engines if (record := choices(points)[column]) is not None]
 
 
 def _time_span(records: Sequence[Row]) -> str:
@@ -149,13 +148,14 @@ def _rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
     for name, group in groups.items():
         by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
-            cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
+            each = (_cell(mine, ways) for ways in zip(*map(choices, mine), strict=True))
+            cells = [(cell, len(list(same))) for cell, same in groupby(each)]
             yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
 
 
-def _cell(engines: Sequence[DataFrame], column: int) -> TableCell:
-    """The times of one engine to one error over the mechanisms, and the way that most of them take."""
-    met = _points_reaching(engines, column)
+def _cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> TableCell:
+    """The times of one engine to one error over the mechanisms, by its way in each, and the way that most take."""
+    met = [way for way in ways if way is not None]
     if not met:
         errors = [points.error_max[points.finished].min() for points in engines if points.finished.any()]
         return TableCell(ABSENT, "absent", note=f"least {error(min(errors))}" if errors else "nothing finished")
