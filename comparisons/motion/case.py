@@ -12,7 +12,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.crank_motion import CrankMotion
+from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import (
     FileRegime,
@@ -292,6 +292,17 @@ class Case:
     def sweep(self, time: Array) -> Sweep:
         """The linkage along the motion."""
         return self.at(time).sweep
+
+    @cached_property
+    def apart(self) -> Case:
+        """The same case for the truth at a few instants, which pushes that of no run's clock out."""
+        return replace(self)
+
+    @cached_property
+    def at_rest(self) -> Case:
+        """The driver at rest where the motion begins, as it is before."""
+        rest = Segment(0.0, self.motion.duration, (float(self.motion.angle(0.0)),))
+        return Case(self.mechanism, CrankMotion(self.motion.regime, (rest,)))
 
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints that carry a force."""

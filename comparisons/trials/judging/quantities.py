@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import CrankMotion, Segment, degrees
+from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
@@ -417,25 +417,23 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
 
 def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
     """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
-    worst = 0.0
-    for jump in case.motion.jumps if quantity.holds_acceleration else ():
-        near = near_jump(signal.time, case.motion, jump)
-        if near.any():
-            before, after = _truth_beside_jump(case, quantity, jump)
-            error = _magnitudes(signal.values[near] - reference[near])
-            worst = max(worst, float(np.max(error - _magnitudes(after - before))))
-    return worst
+    jumps = case.motion.jumps if quantity.holds_acceleration else ()
+    beside = [near_jump(signal.time, case.motion, jump) for jump in jumps]
+    if not np.any(beside):
+        return 0.0
+    errors = _magnitudes(signal.values - reference)
+    before, after = _truth_beside_jumps(case, quantity)
+    most = (np.max(errors[near], initial=0.0) for near in beside)
+    return max(0.0, *(float(worst - size) for worst, size in zip(most, _magnitudes(after - before), strict=True)))
 
 
-def _truth_beside_jump(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
-    """The truth just before and just after a jump, (1, ...) each; before the start the crank is at rest."""
-    driven = Case(case.mechanism, case.motion)  # a new case: a case stores the truth of few clocks only
-    after = quantity.reference(driven, np.array([jump]))
-    if jump > 0.0:
-        return quantity.reference(driven, np.array([np.nextafter(jump, 0.0)])), after
-    rest = Segment(0.0, case.motion.duration, (float(case.motion.angle(0.0)),))
-    resting = Case(case.mechanism, CrankMotion(case.motion.regime, (rest,)))
-    return quantity.reference(resting, np.array([jump])), after
+def _truth_beside_jumps(case: Case, quantity: Quantity) -> tuple[Array, Array]:
+    """The truth just before and just after every jump, (jumps, ...) each; before the start the crank is at rest."""
+    jumps = np.asarray(case.motion.jumps)
+    before, after = (quantity.reference(case.apart, time) for time in (np.nextafter(jumps, 0.0), jumps))
+    if jumps[0] == 0.0:
+        before = np.concatenate([quantity.reference(case.at_rest, jumps[:1]), before[1:]])
+    return before, after
 
 
 def _magnitudes(values: Array) -> Array:
