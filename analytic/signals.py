@@ -28,7 +28,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -134,6 +134,7 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Scalar:
     return length
 
 
+@lru_cache(maxsize=8)
 def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
     """φ_ref, rad: the crank angle at which the feed is ΔP.
 
