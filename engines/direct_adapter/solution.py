@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -35,14 +36,21 @@ class Equations(JointEquations):
 
     solves = 0
 
-    def solve(self, matrix: Reals, right: Reals) -> Reals:
-        """Solve ``matrix`` x = ``right``, (n, k, k) and (n, k), refined once; counted in ``solves``.
+    @cached_property
+    def start_coordinates(self) -> Reals:
+        """The start state, (1, bodies, 3), units and rad."""
+        return self.start().coordinates()
+
+    def solve(self, matrix: Reals, right: Reals, *, refines: bool = True) -> Reals:
+        """Solve ``matrix`` x = ``right``, (n, k, k) and (n, k), by default refined once; counted in ``solves``.
 
         Raises UnsolvableError where a matrix is singular.
         """
         self.solves += len(right)
         try:
             first = np.linalg.solve(matrix, right[..., None])
+            if not refines:
+                return np.asarray(first[..., 0])
             return np.asarray((first + np.linalg.solve(matrix, right[..., None] - matrix @ first))[..., 0])
         except np.linalg.LinAlgError:
             raise UnsolvableError("the constraint equations are singular") from None
@@ -235,6 +243,7 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
     The gain is a function of φ (n,).
     """
+    unit, pull = equations.crank_unit(1), PULL if end > start else -PULL
     most = equations.solves + EVALUATIONS * (1.0 + abs(end - start) / FULL_TURN)
 
     def rate(coordinate: float, state: Reals) -> Reals:
@@ -242,9 +251,8 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
             return np.full_like(state, np.nan)
         place = np.array([coordinate])
         residual, matrix = equations.violation(_pose(equations, state[None], place), place)
-        pull = PULL if end > start else -PULL
         try:
-            return np.asarray(equations.solve(matrix, equations.crank_unit(1) - pull * residual)[0])
+            return np.asarray(equations.solve(matrix, unit - pull * residual, refines=False)[0])
         except UnsolvableError:
             return np.full_like(state, np.nan)  # a step that is too long
 
@@ -265,7 +273,7 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
 def _pose(equations: Equations, gain: Reals, coordinate: Reals) -> Pose:
     """The poses of coordinates (n, k) from the start state on, the crank at φ."""
-    coordinates = equations.start().coordinates() + equations.spread(gain)
+    coordinates = equations.start_coordinates + equations.spread(gain)
     if equations.driver.turns:
         coordinates[..., equations.driver.crank, 2] = coordinate
     return pose_of(coordinates)
