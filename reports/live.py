@@ -34,6 +34,7 @@ from analytic.machine_code import (
 from comparisons.designer.building import OVER_RANGE
 from comparisons.designer.open_ends import MARGIN, open_ends
 from comparisons.designer.sheet import Sheet
+from reports.document.chart import Array, packed
 from reports.document.parts import Part, Widget
 
 # A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.
@@ -130,11 +131,66 @@ def model_of(sheet: Sheet) -> Model | str:
         return str(error)
 
 
-def live_widget(sheet: Sheet, model: Model, instead: tuple[Part, ...]) -> Widget:
-    """The widget of a model; ``instead`` stands where no script runs."""
-    label = f"{sheet.linkage.title or sheet.name}: pull at points and numbers"
+def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> Widget:
+    """The drawing and the curves of a sheet; ``instead`` stands where no script runs.
+
+    Without a model the widget has them at samples of the motion, and nothing on it can be changed.
+    """
+    label = f"{sheet.linkage.title or sheet.name} in motion"
+    if isinstance(model, str):
+        mechanism = Mechanism(sheet.linkage)
+        data = {**_sampled(sheet, mechanism), **_drawing_data(mechanism), "pulls": {}}
+        return Widget("live", "live", label, data, {"model": _samples(sheet, mechanism)}, instead=instead)
     data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
     return Widget("live", "live", label, data, {"model": model.source}, instead=instead)
+
+
+FEWEST, MOST, PER_TURN = 721, 2401, 181  # samples of a motion that is not computed anew
+MOST_NUMBERS: Final = 200_000  # of all its results
+
+
+def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
+    """What a widget without formulas takes: no numbers, a motion and the names of the results of its samples."""
+    time, linkage = sheet.values["time"], sheet.linkage
+    length = sheet.file_unit_of("m")
+    return {
+        "isSampled": True,
+        "motion": {
+            "duration": float(time.max() - time.min()),
+            "steady": sheet.axis == "phi",
+            "linear": linkage.is_linear,
+            "turns": sheet.is_turn,
+            "speed": 0.0,
+            "range": 0.0,
+        },
+        "results": [_result(name, mechanism) for name in results(mechanism)],
+        "name": linkage.name,
+        "numbers": [],
+        "groups": [],
+        "length": {"unit": length.name, "size": length.size},
+    }
+
+
+def _samples(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
+    """φ and the results at instants evenly spaced in time, packed; poses follow from φ."""
+    order = np.argsort(sheet.values["time"])
+    known = {name: values[order] for name, values in sheet.values.items()}
+    turns = float(np.sum(np.abs(np.diff(known["phi"])))) / FULL_TURN
+    names = results(mechanism)
+    count = min(max(FEWEST, PER_TURN * turns), MOST, MOST_NUMBERS / len(names))
+    time = np.linspace(known["time"][0], known["time"][-1], int(count))
+    phi = np.interp(time, known["time"], known["phi"])
+    sweep = mechanism.sweep(phi)
+
+    def curve(name: str) -> Array:
+        kind, _, rest = name.partition(":")
+        if kind == "link":
+            return np.asarray(sweep.angles(rest.removesuffix(":angle")))
+        if kind == "point":
+            return np.asarray(sweep.point(rest[:-2])["xy".index(rest[-1])])
+        return np.interp(time, known["time"], known[name])
+
+    return {"samples": packed(phi, *(curve(name) for name in names))}
 
 
 def _numbers(model: Model) -> dict[str, Any]:
@@ -215,14 +271,30 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
     crank = mechanism.structure.pivot
     return {
         "bodies": {name: dict(link.points) for name, link in linkage.links.items()} | {GROUND: dict(linkage.ground)},
-        "centres": [name for name, link in linkage.links.items() if link.mass and link.inertia is not None],
+        "centres": {
+            name: list(link.centre) for name, link in linkage.links.items() if link.mass and link.inertia is not None
+        },
         "guides": [{"link": link, "point": point, "name": name} | asdict(guide) for link, point, guide, name in guides],
         "springs": [{"points": spring.points, "bodies": spring.links} for spring in linkage.springs],
+        "cylinder": linkage.cylinder.points if linkage.cylinder else None,
+        "joints": list(_joints(linkage)),
+        "loads": [{"point": load.point, "force": load.force(0.0).tolist()} for load in linkage.forces],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
         "pulls": pulls(mechanism),
     }
+
+
+def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
+    """Every joint with the point that its force is drawn at and the link that it acts on."""
+    for pin in linkage.pins:
+        yield from ({"name": joint, "point": pin.point, "on": link} for joint, link in pin.joints.items())
+    for slider in linkage.sliders:
+        yield {"name": slider.name, "point": slider.point, "on": slider.link}
+    carriers = {point: name for name, link in linkage.links.items() for point in link.points}
+    for slot in linkage.slots:
+        yield {"name": slot.name, "point": slot.point, "on": carriers[slot.point]}
 
 
 # A linkage as a page computes it: its formulas printed in JavaScript, its numbers, loads and motion as plain data.

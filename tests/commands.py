@@ -39,7 +39,7 @@ def empty_picture(files, figure):
     """The picture of a page with nothing in it, for tests of anything but the drawings, which take most of the time."""
     name = f"figures/{Path(files.page.file).stem}/{figure.name}.svg"
     write_text(files._file(name), '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>')
-    return Picture(files.root + name, 9, 9, (), wide=False)
+    return Picture(files.root + name, 9, 9, wide=False)
 
 
 def linkproof(*words, cwd=None, stderr=None):

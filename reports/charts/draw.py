@@ -120,12 +120,6 @@ def is_wide(drawing: Figure) -> bool:
     return drawing.get_figwidth() == FULL_WIDTH
 
 
-def edges(quantity: Figure) -> tuple[float, float]:
-    """Left and right end of the first axes, as shares of the width."""
-    left, right = quantity.axes[0].get_position().intervalx
-    return left, right
-
-
 def svg(drawing: Figure, page: str = "none") -> str:
     """The figure as an SVG file, the same for the same figure; a dark scheme of the reader's turns its colours.
 

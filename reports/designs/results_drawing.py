@@ -29,7 +29,7 @@ from reports.charts.scheme import place as place_scheme
 from reports.document.chart import Chart, Panel
 from reports.document.templates import plain
 from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
-from reports.mechanism.shown import chart, place, signals_panel, stacked_chart, words
+from reports.mechanism.shown import place, signals_panel, stacked_chart, words
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
@@ -126,4 +126,4 @@ def _chart(sheet: Sheet, name: str) -> Chart:
         signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
         label = f"transmission angle, {sheet.file_unit_of('rad').on_page}"
     panels = [replace(signals_panel(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
-    return chart(sheet, panels, SINGLE + LINE * len(signals))
+    return Chart(tuple(panels), SINGLE + LINE * len(signals))

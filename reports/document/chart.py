@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
+import base64
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+FULL_SHARE: Final = 65534  # of the way between the ends of a packed column
 # A colour: "ink", "muted", "faint", "reference", "limit", "paper", or its number in the palette.
 Ink = str | int
+
+
+def packed(*columns: Array) -> dict[str, Any]:
+    """Columns (n,) for a drawing, which has fewer places than 16 bits: ends of each, and shares of the way between.
+
+    The shares are whole numbers up to ``FULL_SHARE``, the lower byte first, in base64; one more stands for a value that
+    is not finite, and is not drawn.
+    """
+    ends, shares = [], []
+    for column in columns:
+        finite = np.isfinite(column)
+        known = column[finite] if finite.any() else np.zeros(1)
+        low, high = float(np.min(known)), float(np.max(known))
+        share = np.where(finite, column - low, 0.0) / ((high - low) or 1.0)
+        shares.append(np.where(finite, np.rint(FULL_SHARE * share), FULL_SHARE + 1))
+        ends.append((low, high))
+    return {"ends": ends, "shares": base64.b64encode(np.concatenate(shares).astype("<u2").tobytes()).decode("ascii")}
 
 
 def axis_label(name: str, unit: str) -> str:
@@ -107,14 +126,12 @@ class Panel:
 class Chart:
     """Panels in ``columns``; those of one column share their x axis unless they have ``rows``. ``height`` is in inches.
 
-    ``head`` are lines above all panels, the first in bold, and ``key`` what the panels have in common. ``axis`` is
-    "phi" or "time" where x is that of the mechanism's motion, so that a page may show where it is.
+    ``head`` are lines above all panels, the first in bold, and ``key`` what the panels have in common.
     """
 
     panels: tuple[Panel, ...]
     height: float = 3.0
     columns: int = 1
     wide: bool = False
-    axis: Literal["", "phi", "time"] = ""
     head: tuple[str, ...] = ()
     key: tuple[Curve | Hatch, ...] = ()

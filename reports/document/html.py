@@ -29,15 +29,11 @@ ELSEWHERE: Final = re.compile(r"#|[a-z][a-z0-9+.-]*:")  # a link that leaves the
 
 
 class Picture(NamedTuple):
-    """A figure as a page shows it: where its file is, its size in CSS pixels, and its axes' edges, shares of the width.
-
-    ``edges`` is empty where the figure has no axis that a page may point at; ``wide``: it takes the page's whole width.
-    """
+    """A figure as a page shows it: where its file is, its size in CSS pixels, whether it is as wide as the page."""
 
     source: str
     width: int
     height: int
-    edges: tuple[float, ...]
     wide: bool
 
 
@@ -107,12 +103,10 @@ class _PageFiles:
 
         chart = figure.drawing
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
-        has_axis = isinstance(chart, Chart) and chart.axis
-        edges = tuple(drawing.axes[0].get_position().intervalx.tolist()) if has_axis else ()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
         write_text(self._file(f"{name}.svg"), draw.svg(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
-        return Picture(f"{self.root}{name}.svg", width, height, edges, draw.is_wide(drawing))
+        return Picture(f"{self.root}{name}.svg", width, height, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
         self.names.append(name)

@@ -27,7 +27,7 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, signals_panel, stacked_chart, words
+from reports.mechanism.shown import figures_table, jeq, page_figure, panel
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
@@ -42,7 +42,7 @@ DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and
 
 def sections(sheet: Sheet) -> tuple[Section, ...]:
     """Every section that the sheet has something for, in the order of a designer's questions."""
-    every = (_motion(sheet), _drive(sheet), _forces(sheet), _links(sheet))
+    every = (_drive(sheet), _forces(sheet), _links(sheet))
     return tuple(section for section in every if section.parts)
 
 
@@ -53,30 +53,17 @@ def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
     return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
 
 
-def _motion(sheet: Sheet) -> Section:
-    """S, v and a."""
-    part: Part = Paragraph("The file names no output: there is no S, v and a.", "small")
-    if "S" in sheet.values:
-        caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        chart = stacked_chart(sheet, OUTPUT, TALL, wide=True)
-        part = FigureGroup((page_figure(sheet, "output", caption, "S, v and a", chart),))
-    return Section("motion", "Motion of the output", (part,))
-
-
 def _drive(sheet: Sheet) -> Section:
-    """Torque, power and kinetic energy, and where the inertia behind them comes from."""
-    names = [name for name in DRIVE if name in sheet.values]
-    if not names:
-        reason = "No link has mass and there are no loads: there is no torque, power or joint force."
-        return Section("drive", "Drive", (Paragraph(reason, "small"),))
-    force = "force" if sheet.linkage.is_linear else "torque"
-    caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
-    drive = page_figure(sheet, "drive", caption, caption, stacked_chart(sheet, names, TALL))
-    parts: list[Part] = [FigureGroup((drive, *_inertia(sheet)))]
+    """Where the inertia behind the torque comes from, or why there is none."""
+    words = [] if sheet.linkage.output else ["The file names no output: there is no S, v and a."]
+    if not any(name in sheet.values for name in DRIVE):
+        words += ["No link has mass and there are no loads: there is no torque, power or joint force."]
+    parts: list[Part] = [Paragraph(text, "small") for text in words]
     if "Jeq" in sheet.facts:
         ends = {end: jeq(sheet, end) for end in ("min", "max", "mean")}
-        parts.insert(0, Paragraph(sentence("sheet_inertia", facts=sheet.facts["Jeq"], **ends)))
-    return Section("drive", "Torque, power and inertia", tuple(parts))
+        parts.append(Paragraph(sentence("sheet_inertia", facts=sheet.facts["Jeq"], **ends)))
+    figures = _inertia(sheet) if sheet.shares else ()
+    return Section("drive", "Drive and inertia", (*parts, *([FigureGroup(figures)] if figures else [])))
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
@@ -101,10 +88,12 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
     ]
     panels = [panel(sheet, stack, f"Jeq, {unit.on_page}", is_last=not curves)]
     panels += [panel(sheet, curves, f"Jeq of a link, {unit.on_page}")] if curves else []
-    left_out = f"; constant and left out: {', '.join(constant)}" if constant else ""
-    caption = "Where Jeq comes from: the crank and each Assur group, one on the other"
-    caption += f", and beneath it every link by itself{left_out}. Per cent are of the mean." if curves else "."
-    return (page_figure(sheet, "inertia", caption, "Jeq by Assur group and by link", chart(sheet, panels, TALL)),)
+    caption = "Share of each group in Jeq (stacked)"
+    caption += "; below, each moving link alone" if curves else ""
+    caption += f". Constant and not drawn: {', '.join(constant)}" if constant else ""
+    caption += ". Per cent are of the mean."
+    chart = Chart(tuple(panels), TALL, wide=True)
+    return (page_figure(sheet, "inertia", caption, "Jeq by Assur group and by link", chart),)
 
 
 def _share(name: str, values: Array, whole: float) -> str:
@@ -112,39 +101,16 @@ def _share(name: str, values: Array, whole: float) -> str:
 
 
 def _forces(sheet: Sheet) -> Section:
-    """In every joint by magnitude and as hodographs, on the frame with its moment."""
+    """In every joint and on the frame, as hodographs and in figures."""
     joints = sheet.joints
     if not joints:
         return Section("forces", "Forces in the joints and on the frame", ())
-    most = f" of the {MOST_CURVES} joints with the largest" if len(joints) > MOST_CURVES else " in every joint"
-    shown = {f"{JOINT}{joint}:magnitude": plain(joint) for joint in joints[:MOST_CURVES]}
-    named = {signal: f"{name}, {words(sheet, sheet.peaks[signal])}" for signal, name in shown.items()}
-    unit = sheet.file_unit_of("N").on_page
-    caption = f"Force{most}, named with its peak."
-    magnitudes = chart(sheet, [signals_panel(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
     parts = (
-        FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet))),
         _hodographs(sheet, joints),
         Fold("Largest force of every joint, in figures", (replace(table, caption=ACTS),)),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
-
-
-def _on_frame(sheet: Sheet) -> tuple[PageFigure, ...]:
-    """Shaking force and shaking moment."""
-    if "shaking_moment" not in sheet.values:
-        return ()
-    tip = Chart((hodograph(sheet, "shaking_force", 0),), 3.2)
-    moment = Curve(sheet.x, sheet.y("shaking_moment"), ink=1)
-    label = f"shaking moment, {sheet.unit('shaking_moment').on_page}"
-    force_caption = f"Shaking force on the frame{_dots_in_words(sheet)}."
-    moment_caption = f"Shaking moment on the frame {sheet.figures['moment'][0].what}, the drive's reaction included."
-    over = chart(sheet, [panel(sheet, [moment], label)], 3.2)
-    return (
-        page_figure(sheet, "shaking-force", force_caption, "hodograph of the shaking force", tip),
-        page_figure(sheet, "shaking-moment", moment_caption, "shaking moment", over),
-    )
 
 
 def _dots_in_words(sheet: Sheet) -> str:
@@ -153,13 +119,14 @@ def _dots_in_words(sheet: Sheet) -> str:
 
 
 def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
-    """The tip of every joint's force, each to its own scale."""
-    drawn = joints[:MOST_HODOGRAPHS]
-    panels = [hodograph(sheet, f"{JOINT}{name}", number) for number, name in enumerate(drawn)]
-    rows = -(-len(drawn) // PER_ROW)
+    """The tip of every joint's force and of that on the frame, each to its own scale."""
+    vectors = [f"{JOINT}{name}" for name in joints[:MOST_HODOGRAPHS]]
+    vectors += ["shaking_force"] if "shaking_force:x" in sheet.values else []
+    panels = [hodograph(sheet, vector, number) for number, vector in enumerate(vectors)]
+    rows = -(-len(vectors) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
-    caption = f"Fx against Fy of {which}, each to its own scale{_dots_in_words(sheet)}."
-    chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
+    caption = f"Fx against Fy of {which} and on the frame, each to its own scale{_dots_in_words(sheet)}."
+    chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(vectors)), wide=True)
     return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", chart)
 
 
@@ -167,7 +134,7 @@ def hodograph(sheet: Sheet, vector: str, ink: int) -> Panel:
     """Fx against Fy from the origin; of a turn a dot every 30° and the quarters named."""
     unit = sheet.unit(f"{vector}:x").on_page
     force = [sheet.y(f"{vector}:{component}") for component in "xy"]
-    title = plain(vector.partition(":")[2])
+    title = plain(vector.partition(":")[2] or vector)
     curves = [Curve(force[0], force[1], ink=ink)]
     notes: tuple[Note, ...] = ()
     if sheet.is_turn:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +15,7 @@ from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.quantities import JOINT_FORCE
 from comparisons.trials.judging.records import Error, Verdict
 from reports.document import numbers
-from reports.document.chart import Array, Chart, Curve, Ink, Mark, Panel
+from reports.document.chart import Chart, Curve, Ink, Mark, Panel, packed
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.records import (
@@ -259,7 +258,6 @@ def errors_chart(view: View, regime: Regime) -> Chart:
 EXTREMES: Final = 400  # of the closed form: so many stretches of the samples of all runs
 # Errors lie between ``LEAST_ERROR`` and this on their scale.
 GREATEST_ERROR: Final = 1e8
-FULL_SHARE: Final = (1 << 16) - 2  # of a packed column: its largest value
 
 
 def chart_data(view: View) -> dict[str, Any]:
@@ -337,20 +335,3 @@ def _run(trace: Trace) -> dict[str, Any]:
         "largest": digits(trace.record.error_max or 0.0),
         "samples": packed(trace.time[compared], trace.observed[compared], decades),
     }
-
-
-def packed(*columns: Array) -> dict[str, Any]:
-    """Columns (n,) for a drawing, which has fewer places than 16 bits: ends of each, and shares of the way between.
-
-    The shares are whole numbers up to ``FULL_SHARE``, the lower byte first, in base64; one more stands for a value that
-    is not finite, and is not drawn.
-    """
-    ends, shares = [], []
-    for column in columns:
-        finite = np.isfinite(column)
-        known = column[finite] if finite.any() else np.zeros(1)
-        low, high = float(np.min(known)), float(np.max(known))
-        share = np.where(finite, column - low, 0.0) / ((high - low) or 1.0)
-        shares.append(np.where(finite, np.rint(FULL_SHARE * share), FULL_SHARE + 1))
-        ends.append((low, high))
-    return {"ends": ends, "shares": base64.b64encode(np.concatenate(shares).astype("<u2").tobytes()).decode("ascii")}

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
-from typing import Any, Final
 
 import numpy as np
-from markupsafe import Markup
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
@@ -17,7 +15,7 @@ from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.trials.campaign.results import Results
 from reports.charts.moving import moving_scheme
 from reports.charts.scheme import thread_figure
-from reports.document.chart import Array, Chart, Curve, Panel
+from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
     Bullets,
     Card,
@@ -29,14 +27,13 @@ from reports.document.parts import (
     Paragraph,
     Part,
     Section,
-    Widget,
 )
 from reports.document.templates import lines, sentence
 from reports.live import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.published import published_section
-from reports.mechanism.shown import chart, figures_table, key_table, open_end_note, page_figure, panel, required_table
+from reports.mechanism.shown import figures_table, key_table, open_end_note, page_figure, panel, required_table
 from reports.records import anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
@@ -54,7 +51,7 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
         along = sheet.required["phi"] % FULL_TURN if sheet.is_turn else sheet.required["phi"]
         required = sheet.required["required"] / unit.size
         curves.append(Curve(along / sheet.axis_unit.size, required, "required", 0, line="", marker="o"))
-    feed = chart(sheet, [panel(sheet, curves, f"Pd, {unit.on_page}")], 3.2)
+    feed = Chart((panel(sheet, curves, f"Pd, {unit.on_page}"),), 3.2)
     figures = FigureGroup((contour, page_figure(sheet, "feed", "Feed Pd of the thread.", "thread feed", feed)))
     tables = [figures_table(sheet, "thread"), *([required_table(sheet)] if sheet.required else [])]
     return Section("thread", "Thread", (figures, *tables))
@@ -91,72 +88,6 @@ def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure,
     caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
     name = anchor("released", regime, "last-turn")
     return (page_figure(sheet, name, caption, f"last turn under {regime}", Chart(panels, 2.8)),)
-
-
-# A mechanism that moves on its page: its drawing, and what its signals are where it stands.
-
-
-SAMPLES: Final = 241
-READ_OUT: Final = ("S", "v", "a", "Mkr", "Peq", "Jeq")
-DIGITS: Final = 4
-
-
-def player(sheet: Sheet, positions: Positions, drawing: Markup) -> Widget:
-    """The moving drawing, with controls and a read-out."""
-    label = f"{sheet.linkage.title} in motion"
-    return Widget("player", "motion", label, player_data(sheet, positions), markup=drawing)
-
-
-def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
-    """The axis and the signals at ``SAMPLES`` instants, evenly spaced in time.
-
-    ``shares`` are the places of the instants on the axis of a figure, ``poses`` in the drawing's motion, from 0 to 1.
-    """
-    axis = sheet.values[sheet.axis]
-    along = np.linspace(axis[0], axis[-1], SAMPLES)
-    if sheet.axis == "phi" and np.nanmean(sheet.values["omega"]) < 0.0:
-        along = along[::-1]
-    turned = along % FULL_TURN if sheet.is_turn else along
-    shares = turned / FULL_TURN if sheet.is_turn else (along - axis[0]) / (axis[-1] - axis[0])
-    values = [f"{value:z.1f}" if sheet.is_turn else f"{value:z.4g}" for value in turned / sheet.axis_unit.size]
-    return {
-        "axis": {
-            "kind": sheet.axis,
-            "name": sheet.symbol,
-            "unit": sheet.axis_unit.on_page,
-            "values": values,
-            "shares": np.round(shares, 4).tolist(),
-        },
-        "poses": np.round(_poses(sheet, positions, along), 5).tolist(),
-        "rows": [_row(sheet, name, along) for name in READ_OUT if name in sheet.values],
-    }
-
-
-def _poses(sheet: Sheet, positions: Positions, along: Array) -> Array:
-    """Where in the motion of the sheet's positions the mechanism is at places of its axis."""
-    reached = np.interp(along, sheet.values[sheet.axis], sheet.values[positions.over])
-    start, end = positions.axis[0], positions.axis[-1]
-    share = (reached - start) / (end - start)
-    return np.asarray(share % 1.0 if positions.closed else np.clip(share, 0.0, 1.0))
-
-
-def _row(sheet: Sheet, name: str, along: Array) -> dict[str, Any]:
-    """A signal at places of the axis, in the file's unit, to ``DIGITS`` digits of its largest value."""
-    unit = sheet.unit(name)
-    values = np.interp(along, sheet.values[sheet.axis], sheet.values[name]) / unit.size
-    return {
-        "name": name,
-        "unit": unit.on_page,
-        "values": [_short(value, sheet.scale(name) / unit.size) for value in values],
-    }
-
-
-def _short(value: float, scale: float) -> float | None:
-    """A value without digits that are small beside the largest."""
-    if not np.isfinite(value):
-        return None
-    least = 10.0 ** (np.floor(np.log10(scale)) + 1 - DIGITS) if scale else 1.0
-    return float(f"{round(value / least) * least:.{DIGITS}g}") + 0.0
 
 
 # The page of one mechanism: what its designer wants, then how the engines did.
@@ -198,14 +129,14 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
         yield Cards((Card("The mechanism", (*designer.sentences(sheet, "values"), designer.facts(sheet))),), wide=True)
         return
     drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
-    if not isinstance(model, str):
-        yield live_widget(sheet, model, (key_table(sheet), Drawn(drawing, "")))
-        note = [Paragraph(f"{open_end_note(sheet)}.", "small")] if sheet.open_end_warning else []
-        yield Cards((Card("The mechanism as in its file", (designer.facts(sheet), *note)),), wide=True)
+    table, facts = key_table(sheet), designer.facts(sheet)
+    yield live_widget(sheet, model, (table, Drawn(drawing, "")))
+    if isinstance(model, str):
+        why = Paragraph(sentence("not_live", reason=model), "small")
+        yield Cards((Card("Key figures", (table,)), Card("The mechanism", (facts, why))), wide=True)
         return
-    fixed = Paragraph(sentence("not_live", reason=model), "small")
-    motion = Card("In motion", (player(sheet, sheet.positions, drawing), fixed))
-    yield Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(sheet)))), wide=True)
+    note = [Paragraph(f"{open_end_note(sheet)}.", "small")] if sheet.open_end_warning else []
+    yield Cards((Card("The mechanism as in its file", (facts, *note)),), wide=True)
 
 
 def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:

@@ -191,19 +191,14 @@ def signals_panel(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid:
     return panel(sheet, curves, y_label)
 
 
-def chart(sheet: Sheet, panels: Sequence[Panel], height: float, *, wide: bool = False) -> Chart:
-    """Panels one under the other over the sheet's axis, on which a page shows where its mechanism is."""
-    return Chart(tuple(panels), height, wide=wide, axis=sheet.axis)
-
-
-def stacked_chart(sheet: Sheet, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
+def stacked_chart(sheet: Sheet, names: Sequence[str], height: float) -> Chart:
     """Signals one under the other over the axis, each with its peak marked."""
     panels = []
     for row, name in enumerate(names):
         curves = (Curve(sheet.x, sheet.y(name), ink=row), *_peak_mark(sheet, name, row))
         label = f"{'force' if name == 'Mkr' and sheet.is_linear else name}, {sheet.unit(name).on_page}"
         panels.append(panel(sheet, curves, label, is_last=row == len(names) - 1))
-    return chart(sheet, panels, height, wide=wide)
+    return Chart(tuple(panels), height)
 
 
 def _peak_mark(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:

@@ -193,6 +193,38 @@ def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(browser, p
         assert seen.faults == []
 
 
+def test_arrows_point_along_the_joint_forces_of_results(browser, page_of, tmp_path):
+    truth = of_results(tmp_path, FOUR_BAR, "--at", "0")["values"]
+    with at_work(browser, page_of("four-bar", FOUR_BAR)) as seen:
+        seen.page.get_by_role("checkbox", name="joint forces").check()
+        ways = seen.page.locator(".arrows path").evaluate_all("every => every.map(one => one.getAttribute('d'))")
+        drawn = [np.array(re.findall(r"-?[\d.]+", way)[:6], dtype=float).reshape(3, 2) for way in ways]
+        shown = [np.degrees(np.arctan2(start[1] - tip[1], tip[0] - start[0])) for start, _, tip in drawn]
+        joints = ("A", "B", "O1", "O2")
+        for joint in joints:
+            x, y = (truth[f"joint_force:{joint}:{axis}"][0] for axis in "xy")
+            assert min(abs((np.degrees(np.arctan2(y, x)) - one + 180.0) % 360.0 - 180.0) for one in shown) < 0.5
+        largest = max(float(figure(seen.page, f"force in {joint}")[0].split()[0]) for joint in joints)
+        assert f"Longest: joint forces {largest:.3g} N." in seen.page.locator(".live-arrows").inner_text()
+        assert seen.faults == []
+
+
+def test_a_released_crank_has_the_same_page_without_handles(browser, tmp_path):
+    treadle = Path(__file__).parents[1] / "linkages" / "designer" / "treadle.toml"
+    done = linkproof("results", treadle, "--regime", "foot", "--out", tmp_path / "out", "--quiet")
+    assert done.returncode == 0, done.stderr
+    with at_work(browser, tmp_path / "out" / "index.html", width=WIDTHS[1]) as seen:
+        values = seen.page.locator(".live-curves b")
+        place = seen.page.get_by_role("slider", name="t")
+        before = values.all_inner_texts()
+        place.evaluate("one => { one.value = 900; one.dispatchEvent(new Event('input')); }")
+        assert sum(one != other for one, other in zip(before, values.all_inner_texts(), strict=True)) > 8
+        assert seen.page.locator(".grip").count() == 0
+        assert seen.facts()["overflow"] <= 0
+        assert seen.grave() == []
+        assert seen.faults == []
+
+
 def test_a_linkage_that_cannot_turn_is_drawn_where_it_stops(browser, page_of):
     with at_work(browser, page_of("four-bar", FOUR_BAR), {"ground.O2.x": 88.0}) as seen:
         page = seen.page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -133,3 +134,10 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
 def _named(blank: Error, name: str, **values: Any) -> Error:
     unit = QUANTITIES[name].unit if name in QUANTITIES else "m"
     return blank._replace(quantity=name, unit=unit, **values)
+
+
+def unpacked(data):
+    """Columns as the page's script reads them, NaN where it draws nothing."""
+    shares = np.frombuffer(base64.b64decode(data["shares"]), "<u2").reshape(len(data["ends"]), -1)
+    columns = (low + share / 65534 * (high - low) for (low, high), share in zip(data["ends"], shares, strict=True))
+    return np.where(shares > 65534, np.nan, [*columns])

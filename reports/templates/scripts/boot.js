@@ -44,6 +44,16 @@ window.linkproof = (() => {
     waiting.delete(name);
   }
 
+  const FULL_SHARE = 65534;
+
+  /* Columns out of their ends and of shares of the way between, 16 bits each in base64; null where there is none. */
+  function unpacked({ ends, shares }) {
+    const bytes = Uint8Array.from(atob(shares), (letter) => letter.charCodeAt(0));
+    const all = new Uint16Array(bytes.buffer), count = all.length / ends.length;
+    return ends.map(([low, high], column) => Array.from(all.subarray(column * count, (column + 1) * count),
+      (share) => (share > FULL_SHARE ? null : low + share / FULL_SHARE * (high - low))));
+  }
+
   function colours() {
     const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(`--${name}`).trim();
     const found = { c: [0, 1, 2, 3, 4, 5].map((number) => named(`c${number}`)) };
@@ -141,5 +151,5 @@ window.linkproof = (() => {
   window.addEventListener("hashchange", begin);
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
-  return { widget, load, loaded, plot, colours, saveButton, redrawn };
+  return { widget, load, loaded, unpacked, plot, colours, saveButton, redrawn };
 })();

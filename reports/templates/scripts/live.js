@@ -5,7 +5,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   const PACES = [[0.1, "× 0.1"], [0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]];
   const WIDE = 900; // px of a page with the drawing beside the curves
   const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
-  const model = linkproof.liveModel(formulas, data), { motion, length } = data, byName = model.byName;
+  const model = (data.isSampled ? linkproof.sampledModel : linkproof.liveModel)(formulas, data), { motion, length } = data, byName = model.byName;
   const before = model.whole({}), figuresBefore = model.figures(before);
   const done = [], undone = [], cells = [], rows = new Map();
   let design = fromAddress(), over = before, share = 0, playing = false, clock = 0;
@@ -14,7 +14,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
 
   const gripped = { can, begin, move, end, step: () => Number(step.value) * length.size };
   const scheme = linkproof.liveDrawing(data, model, gripped);
-  const curves = linkproof.liveCurves(data, model, point);
+  const curves = linkproof.liveCurves(data, model, before, point), arrows = linkproof.liveArrows(data, model, scheme);
   const coordinates = Object.values(data.bodies).flatMap((points) => Object.values(points).flat());
   const extent = Math.max(...coordinates.map(Math.abs), 1e-9) / length.size;
   const steps = [0.1, 1, 10].map((times) => tidy(times * nice(extent / 100)));
@@ -36,9 +36,13 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   const copied = make("textarea", "", { readOnly: true, hidden: true, rows: 12, ariaLabel: label });
 
   element.replaceChildren(...layout());
+  arrows.onChange(() => {
+    arrows.measure(over, design);
+    show(share);
+  });
   redraw();
   settle();
-  if (!Object.keys(design).length) tell(hint);
+  if (!Object.keys(design).length) tell(data.isSampled ? "" : hint);
   play(!matchMedia("(prefers-reduced-motion: reduce)").matches && !Object.keys(design).length);
   linkproof.redrawn(() => {
     redraw();
@@ -66,16 +70,18 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       show(place.value / STEPS);
     });
     const controls = box("controls", playButton, labelled(`${axis} `, place), at);
-    const tools = box("controls live-tools", paceLabel, stepLabel, undoButton, redoButton, resetButton,
-      button("Copy as TOML", copy), button("Save curves", save), button("Copy address", link));
-    if (linkproof.watched) tools.append(button(`Save to ${data.name}.toml`, saveFile));
+    const own = [stepLabel, undoButton, redoButton, resetButton, button("Copy as TOML", copy), button("Copy address", link)];
+    const tools = box("controls live-tools", paceLabel, ...(data.isSampled ? [] : own), button("Save curves", save));
+    if (linkproof.watched && !data.isSampled) tools.append(button(`Save to ${data.name}.toml`, saveFile));
     const fold = make("details", "", { className: "live-figures", open: innerWidth > WIDE });
     fold.append(make("summary", "Key figures"), figuresTable());
     const words = "Dots are peaks. Point at a curve to read it; drag along it to move the linkage. Values at ";
     const legend = make("p", words, { className: "small live-legend" });
     legend.append(reading);
-    const left = box("live-left", box("live-stage", scheme.svg, status, controls), tools, spoken, copied, numbersPanel());
-    return [box("live", left, box("live-right", box("live-read", legend, curves.box), fold))];
+    const stage = box("live-stage", scheme.svg, status, controls), reader = box("live-read", legend, curves.box);
+    if (data.isSampled) return [box("live", box("live-left", stage, tools, arrows.controls), reader)];
+    const left = box("live-left", stage, tools, arrows.controls, spoken, copied, numbersPanel());
+    return [box("live", left, box("live-right", reader, fold))];
   }
   function figuresTable() {
     const table = make("table");
@@ -216,7 +222,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     fit();
   }
   function fit() {
-    scheme.fit(over, over === before ? {} : design);
+    scheme.fit(over, design);
     scheme.trace(before, {}, "before");
   }
   /** Draw before the next frame, with key figures as sampled; what comes to rest first is drawn with them closed in. */
@@ -248,7 +254,8 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       line.classList.toggle("changed", name in design);
     }
     scheme.trace(over, design, "path");
-    curves.draw(over, before, tops(figures, isQuick));
+    curves.draw(over, tops(figures, isQuick));
+    if (!isQuick) arrows.measure(over, design);
     show(share);
     undoButton.disabled = !done.length;
     redoButton.disabled = !undone.length;
@@ -282,7 +289,8 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       const { size } = data.results[model.places.get(one.signal)], i = (one.time / over.duration) * (over.times.length - 1);
       const change = was && changed(one.value, was.value), row = model.places.get(one.signal) * over.times.length;
       const place = told(motion.steady ? over.phiAt(one.time / over.duration) : one.time);
-      const words = `${one.name.split(" ")[0]} ${shown(one)} at ${place}${change ? ` (${change})` : ""}`;
+      const name = /^(least|stroke|peak braking)/.exec(one.name)?.[0].replace("peak ", "") ?? "peak";
+      const words = `${name} ${shown({ ...one, unit: "" })} at ${place}${change ? ` (${change})` : ""}`;
       const height = one.name === "stroke" ? over.found[row + Math.round(i)] : one.value * size;
       return { signal: one.signal, time: one.time, height, words };
     });
@@ -308,12 +316,12 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
   function readOut() {
     const there = pointed ?? share;
     reading.textContent = `${axis} ${told(motion.steady ? over.phiAt(there) : there * over.duration)}`;
-    curves.point(over, before, there, (value) => shown({ value, unit: "" }).trim());
+    curves.point(over, there, (value) => shown({ value, unit: "" }));
   }
   /** The position at a share of the motion; where there is none, the nearest one that there is. */
   function show(now) {
     share = now;
-    let phi = over.phiAt(share), found = model.placed(design, phi), red = [];
+    let phi = over.phiAt(share), found = over.placed(share), red = [];
     const halted = !found[model.moving];
     if (halted) {
       const nearest = [...over.stops].sort((a, b) => gap(a, phi) - gap(b, phi))[0];
@@ -327,6 +335,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
         : "These numbers cannot be assembled at any angle: undo the last change.";
     } else status.textContent = over.isWhole ? "" : `Does not pass its whole motion: it stops at ${stops()}.`;
     if (found) scheme.draw(design, found, red);
+    if (found) arrows.draw(over, share, design);
     scheme.svg.classList.toggle("unmade", !found);
     scheme.svg.classList.toggle("halted", halted);
     at.textContent = angle(phi);
@@ -385,7 +394,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     const size = Math.abs(value), isFar = size >= 1e6 || (size > 0 && size < 1e-3);
     const text = isFar ? value.toExponential(3).replace("e+", "e") : value.toPrecision(4);
     const plain = size >= 1e4 && !isFar ? String(Number(text)) : size ? text : "0";
-    return (unit === "deg" ? `${value.toFixed(2)}°` : `${plain} ${unit}`).replaceAll("-", "−") + (isOpen ? "*" : "");
+    return (unit === "deg" ? `${value.toFixed(2)}°` : `${plain} ${unit}`.trim()).replaceAll("-", "−") + (isOpen ? "*" : "");
   }
   function changed(now, was) {
     if (!Number.isFinite(now) || !Number.isFinite(was) || !was || now === was) return "";

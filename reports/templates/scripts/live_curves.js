@@ -1,11 +1,20 @@
 "use strict";
 // Curves over the motion on canvases: those of the design, and thin behind them those of the file; dots are peaks.
-linkproof.liveCurves = (data, model, pointed) => {
+linkproof.liveCurves = (data, model, before, pointed) => {
   const TALL = 128, EDGE = { left: 54, right: 12, top: 8, bottom: 20 }, APART = { x: 62, y: 30 }; // px
+  const MOST = 10, ROUNDING = 1e-12; // curves of one chart, those of the largest values; of the largest value
   const ANGLES = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180, 360, 720]; // between two marks, degrees
   const { motion, results, length } = data, { make, swatch } = linkproof.controls;
   const names = results.map((one) => one.name), drive = motion.linear ? "force Mkr" : "torque Mkr";
-  const these = (start, end = "") => names.filter((name) => name.startsWith(start) && name.endsWith(end));
+  const largest = (name) => {
+    const count = before.times.length, row = model.places.get(name) * count;
+    return before.found.subarray(row, row + count).reduce((most, one) => (Math.abs(one) > most ? Math.abs(one) : most), 0);
+  };
+  const these = (start, end = "") => {
+    const every = names.filter((name) => name.startsWith(start) && name.endsWith(end) && largest(name) > 0);
+    const chosen = [...every].sort((one, other) => largest(other) - largest(one)).slice(0, MOST);
+    return every.filter((name) => chosen.includes(name));
+  };
   const box = make("div", "", { className: "live-curves" });
   const drawn = [
     ["displacement S", ["S"]], ["velocity v", ["v"]], ["acceleration a", ["a"]], [drive, ["Mkr"]],
@@ -38,7 +47,7 @@ linkproof.liveCurves = (data, model, pointed) => {
         pointed(at / (area.width - EDGE.left - EDGE.right), event.buttons > 0);
       });
     canvas.addEventListener("pointerleave", () => pointed(null, false));
-    return { rows, size, number, canvas, cursor, values, peak, width: 0 };
+    return { rows, size, number, canvas, cursor, values, peak, width: 0, scale: 0 };
   }
 
   /** Take what the page's layout and colours say, which costs more than to draw. */
@@ -54,10 +63,10 @@ linkproof.liveCurves = (data, model, pointed) => {
     return text.replaceAll("-", "−");
   }
 
-  /** Round numbers between two ends, about so many; their distance is one of a list, or 1, 2 or 5 times a power of ten. */
+  /** Round numbers between two ends, about so many; their distance is one of a list, or round. */
   function marks(low, high, most, known = []) {
-    const least = (high - low) / Math.max(most, 1), ten = 10 ** Math.floor(Math.log10(least));
-    const step = known.find((one) => one >= least) ?? [1, 2, 5, 10].find((one) => one * ten >= least * 0.999) * ten;
+    const least = (0.75 * (high - low)) / Math.max(most, 1), ten = 10 ** Math.floor(Math.log10(least));
+    const step = known.find((one) => one >= least) ?? [1, 2, 2.5, 5, 10].find((one) => one * ten >= least * 0.999) * ten;
     const first = Math.ceil(low / step - 1e-9);
     return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, n) => (first + n) * step);
   }
@@ -88,7 +97,7 @@ linkproof.liveCurves = (data, model, pointed) => {
   }
 
   /** Draw all curves with the ``tops`` of results: name of the result, time, value, and what is said of it. */
-  function draw(over, before, tops) {
+  function draw(over, tops) {
     const axis = ends(over, before), dense = window.devicePixelRatio || 1;
     const share = (place) => (place - axis[0]) / (axis[1] - axis[0]);
     const shares = (one) => Array.from(motion.steady ? one.phi : one.times, share);
@@ -96,9 +105,11 @@ linkproof.liveCurves = (data, model, pointed) => {
     const isAngle = motion.steady && !motion.linear;
     const unit = isAngle ? Math.PI / 180 : motion.steady ? length.size : Math.abs(over.pace);
     const spread = axis.map((one) => one / unit).sort((one, other) => one - other);
-    for (const { rows, size, number, canvas, peak, width } of drawn.filter((one) => one.width)) {
+    for (const one of drawn.filter(({ width }) => width)) {
+      const { rows, size, number, canvas, peak, width } = one;
       const right = width - EDGE.right, foot = TALL - EDGE.bottom, pen = canvas.getContext("2d");
       const [low, high] = range(rows, [before, over]);
+      one.scale = Math.max(-low, high);
       const x = (at) => EDGE.left + at * (right - EDGE.left);
       const y = (value) => foot - ((value - low) / (high - low)) * (foot - EDGE.top);
       if (canvas.width !== Math.round(width * dense))
@@ -116,12 +127,11 @@ linkproof.liveCurves = (data, model, pointed) => {
         rule(pen, [at, foot], [at, foot + 3], colours.muted);
         pen.fillText(`${short(value)}${isAngle ? "°" : ""}`, Math.min(at, right - 6), TALL - 4);
       }
-      for (const one of [before, over])
+      for (const way of new Set([before, over]))
         for (const [n, name] of rows.entries()) {
-          const isBehind = one === before && one !== over;
-          pen.strokeStyle = isBehind ? colours.muted : colours.c[(rows.length > 1 ? n : number) % 6];
-          pen.lineWidth = one === over ? 2 : 0.9;
-          curve(pen, one, model.places.get(name) * one.times.length, (i) => x(across.get(one)[i]), y);
+          pen.strokeStyle = way === over ? colours.c[(rows.length > 1 ? n : number) % 6] : colours.muted;
+          pen.lineWidth = way === over ? 2 : 0.9;
+          curve(pen, way, model.places.get(name) * way.times.length, (i) => x(across.get(way)[i]), y);
         }
       const mine = tops.filter(({ signal }) => rows.includes(signal));
       for (const { signal, time, height } of mine) {
@@ -154,15 +164,15 @@ linkproof.liveCurves = (data, model, pointed) => {
   }
 
   /** Put the cursors at a share of a motion, with the values there, of which ``told`` makes words. */
-  function point(over, before, share, told) {
+  function point(over, share, told) {
     const [low, high] = ends(over, before), place = motion.steady ? over.phiAt(share) : share * over.duration;
     const count = over.times.length, i = Math.min(Math.floor(share * (count - 1)), count - 2), part = share * (count - 1) - i;
-    for (const { rows, cursor, values, width } of drawn) {
+    for (const { rows, cursor, values, width, scale } of drawn) {
       cursor.style.left = `${EDGE.left + ((place - low) / (high - low)) * (width - EDGE.left - EDGE.right)}px`;
       for (const [n, name] of rows.entries()) {
         const row = model.places.get(name), here = row * count + i;
         const value = over.moves[i] ? over.found[here] + part * (over.found[here + 1] - over.found[here]) : NaN;
-        values[n].textContent = told(value / results[row].size);
+        values[n].textContent = told(Math.abs(value) < ROUNDING * scale ? 0 : value / results[row].size);
       }
     }
   }

@@ -17,7 +17,7 @@ linkproof.liveDrawing = (data, model, pulled) => {
   const svg = make("svg", { class: "live-scheme", role: "group", "aria-label": label });
   const layer = (name) => make("g", { class: name }, svg);
   const [ghosts, paths, guides, bars] = ["ghosts", "paths", "guides", "bars"].map(layer);
-  const [springs, joints, words, grips] = ["springs", "joints", "words", "grips"].map(layer);
+  const [springs, joints, arrowed, words, grips] = ["springs", "joints", "arrows", "words", "grips"].map(layer);
   const shape = (key, tag, attributes, parent) => shapes.set(key, make(tag, attributes, parent)).get(key);
 
   const ground = new Set(Object.keys(data.bodies.ground));
@@ -27,6 +27,7 @@ linkproof.liveDrawing = (data, model, pulled) => {
   const isShared = (name) => bodies.filter(([, points]) => name in points).length > 1;
   const joined = new Set(names.filter((name) => ground.has(name) || slides(name) || isShared(name)));
   const free = names.filter((name) => !joined.has(name) && name !== data.output);
+  let shortest = 0; // length of the cylinder
   let view = { left: 0, top: 0, scale: 1, width: 600, height: 400 }, frame = null;
 
   for (const name of names) {
@@ -38,10 +39,11 @@ linkproof.liveDrawing = (data, model, pulled) => {
   }
   for (const { name, host } of data.guides)
     shape(`guide:${name}`, "path", { class: host === "ground" ? "guide" : "slot" }, guides);
+  if (data.cylinder) for (const part of ["rod", "barrel"]) shape(part, "path", { class: part }, bars);
   for (const [name] of bodies) shape(`bar:${name}`, "path", { class: "bar" }, bars);
   for (const { name, link } of data.guides) if (link) shape(`block:${name}`, "path", { class: "block" }, bars);
   for (const n of data.springs.keys()) shape(`spring:${n}`, "path", { class: "spring" }, springs);
-  for (const name of data.centres) shape(`centre:${name}`, "path", { class: "centre", d: CENTRE }, springs);
+  for (const name of Object.keys(data.centres)) shape(`centre:${name}`, "path", { class: "centre", d: CENTRE }, springs);
   for (const name of names) {
     const kind = ground.has(name) ? "pin fixed" : joined.has(name) ? "pin" : "pin eye";
     shape(`pin:${name}`, "circle", { class: kind, r: joined.has(name) ? PIN : 3.5 }, joints);
@@ -155,6 +157,7 @@ linkproof.liveDrawing = (data, model, pulled) => {
         else spots.push([]);
       shapes.get(`${key}:${name}`).setAttribute("d", spots.map((one) => line(one)).join(""));
     }
+    shortest = over.phi.reduce((least, phi, i) => (over.moves[i] && phi < least ? phi : least), Infinity);
     for (const guide of data.guides) guide.reach = [Infinity, -Infinity];
     if (data.guides.length)
       for (const { points, frames } of positions(over, design, 8))
@@ -178,9 +181,10 @@ linkproof.liveDrawing = (data, model, pulled) => {
     const { points, frames } = frame;
     for (const [name, own] of bodies) drawBar(name, Object.keys(own).map((point) => points[point]));
     for (const guide of data.guides) drawGuide(design, guide);
+    if (data.cylinder) drawCylinder(data.cylinder.map((name) => points[name]), shortest);
     for (const [n, spring] of data.springs.entries()) drawSpring(n, ...spring.points.map((name) => points[name]));
-    for (const name of data.centres)
-      put(`centre:${name}`, placed(frames[name], local(design, name, "centre", [NaN, NaN])));
+    for (const [name, place] of Object.entries(data.centres))
+      put(`centre:${name}`, placed(frames[name], local(design, name, "centre", place)));
     for (const name of names) {
       for (const key of ["pin", "grip", "word", "foot"]) put(`${key}:${name}`, points[name]);
       shapes.get(`pin:${name}`).classList.toggle("stopped", red.includes(name));
@@ -202,6 +206,28 @@ linkproof.liveDrawing = (data, model, pulled) => {
     set(`guide:${guide.name}`, line(ends));
     set(`block:${guide.name}`, line(corners.map((one) => [x + one[0], y + one[1]]), "Z"));
   }
+  /** The barrel as long as the shortest cylinder leaves room for, and the rod. */
+  function drawCylinder([start, end], shortest) {
+    const long = Math.hypot(end[0] - start[0], end[1] - start[1]), part = (0.8 * shortest) / long;
+    set("rod", line([start, end]));
+    set("barrel", line([start, start.map((one, k) => one + part * (end[k] - one))]));
+  }
+  /** Arrows from points, px; those before go. */
+  function arrows(list) {
+    const { points } = frame;
+    while (arrowed.children.length < list.length) make("path", {}, arrowed);
+    for (const [n, element] of [...arrowed.children].entries()) {
+      const { point, way, ink } = list[n] ?? { way: [NaN, NaN] }, long = Math.hypot(...way);
+      const isSeen = long > 2 && points[point]?.every(Number.isFinite);
+      element.setAttribute("d", isSeen ? arrow(px(points[point]), way[0], -way[1], long) : "");
+      if (isSeen) element.setAttribute("style", `stroke: var(--${ink}); fill: var(--${ink})`);
+    }
+  }
+  function arrow([x, y], across, down, long) {
+    const [c, s] = [across / long, down / long], head = Math.min(9, long);
+    const at = (a, b) => `${(x + a * c - b * s).toFixed(1)} ${(y + a * s + b * c).toFixed(1)}`;
+    return `M${at(0, 0)}L${at(long - head, 0)}M${at(long, 0)}L${at(long - head, head / 2.6)}L${at(long - head, -head / 2.6)}Z`;
+  }
   function drawSpring(n, start, end) {
     const way = [end[0] - start[0], end[1] - start[1]], side = 6 / view.scale / (Math.hypot(...way) || 1);
     const at = (share, off) => [start[0] + share * way[0] - off * way[1], start[1] + share * way[1] + off * way[0]];
@@ -209,5 +235,5 @@ linkproof.liveDrawing = (data, model, pulled) => {
     set(`spring:${n}`, line([start, ...coils, end]));
   }
 
-  return { svg, draw, trace, fit, holds, local, posed, frame: () => frame };
+  return { svg, draw, arrows, trace, fit, holds, local, posed, frame: () => frame };
 };

@@ -139,6 +139,12 @@ linkproof.liveModel = (formulas, data) => {
     return found;
   }
 
+  /** A force from outside: constant or looked up over φ. */
+  function load(number, force, phi, design) {
+    const law = data.laws.find((one) => one.load === number);
+    return [0, 1].map((k) => (law ? looked(law, k, phi, design) : force[k] * factor(design, number)));
+  }
+
   /** Results at times of a motion; a change of speed makes all of it faster. */
   function at(design, { segments, times, followed: known }, time) {
     const k = pace(design), [phi, speed, acceleration] = time === times ? known : followed(segments, time);
@@ -215,6 +221,7 @@ linkproof.liveModel = (formulas, data) => {
     const over = { ...way, found, moves, phi: way.followed[0], at: (time) => at(design, way, time), stops: [] };
     over.phiAt = (share) => along(way.segments, share * way.duration, 0);
     over.pace = pace(design);
+    over.placed = (share) => placed(design, over.phiAt(share));
     for (let i = 1; i < count; i += 1) {
       const [good, bad] = moves[i] ? [i, i - 1] : [i - 1, i];
       if (!moves[i] !== !moves[i - 1]) over.stops.push(endOf(design, over.phi[good], over.phi[bad]));
@@ -292,5 +299,28 @@ linkproof.liveModel = (formulas, data) => {
     return list;
   }
 
-  return { placed, whole, figures, top, value, inSI, byName, places, moving, pace };
+  return { placed, whole, figures, top, load, value, inSI, byName, places, moving, pace };
+};
+
+// The same of a linkage whose motion is known at samples alone: nothing changes, and peaks are those of the samples.
+linkproof.sampledModel = ({ samples }, data) => {
+  const { results, motion } = data, places = new Map(results.map((one, k) => [one.name, k])), moving = results.length;
+  const [phi, ...columns] = linkproof.unpacked(samples).map((one) => Float64Array.from(one, (value) => value ?? NaN));
+  const count = phi.length, { duration } = motion, found = new Float64Array((moving + 1) * count).fill(1);
+  columns.forEach((column, k) => found.set(column, k * count));
+  const times = Float64Array.from(phi, (_, i) => (i / (count - 1)) * duration);
+  const between = (row, share) => {
+    const i = Math.min(Math.floor(share * (count - 1)), count - 2), part = share * (count - 1) - i;
+    return row[i] + part * (row[i + 1] - row[i]);
+  };
+  const row = (k) => found.subarray(k * count, (k + 1) * count), phiAt = (share) => between(phi, share);
+  const placed = (share) => Float64Array.from({ length: moving + 1 }, (_, k) => between(row(k), share));
+  const over = { times, found, phi, duration, phiAt, placed, pace: 1, moves: row(moving), stops: [], isWhole: true };
+
+  function top(_, number, measure) {
+    const height = row(number).map(measure), most = height.reduce((a, b) => (b > a ? b : a), -Infinity);
+    return { height: most > 0 ? row(number)[height.indexOf(most)] : NaN, time: times[height.indexOf(most)] };
+  }
+
+  return { whole: () => over, figures: () => [], top, byName: new Map(), places, moving, pace: () => 1 };
 };

@@ -5,16 +5,6 @@ linkproof.runPlots = (() => {
   const DASHES = { naive: "dot", best: "dash" }, MARKERS = { naive: "circle-open", best: "diamond" };
   const title = (text) => ({ text, standoff: 8 });
 
-  const FULL_SHARE = 65534;
-
-  /* Columns out of their ends and of shares of the way between, 16 bits each in base64; null where there is none. */
-  function unpacked({ ends, shares }) {
-    const bytes = Uint8Array.from(atob(shares), (letter) => letter.charCodeAt(0));
-    const all = new Uint16Array(bytes.buffer), count = all.length / ends.length;
-    return ends.map(([low, high], column) => Array.from(all.subarray(column * count, (column + 1) * count),
-      (share) => (share > FULL_SHARE ? null : low + share / FULL_SHARE * (high - low))));
-  }
-
   /* Values at increasing times, between the samples of a curve. */
   function between(times, values, wanted) {
     let next = 1;
@@ -71,13 +61,13 @@ linkproof.runPlots = (() => {
 
   /* A quantity by the closed form and by the runs, and beneath it their errors with their limits. */
   function curvePlot(data, at, quantity, curves, shown) {
-    const [times, angles, values] = unpacked(curves.truth), [name, factor] = data.axis;
+    const [times, angles, values] = linkproof.unpacked(curves.truth), [name, factor] = data.axis;
     const turned = (wanted) => between(times, angles, wanted).map((angle) => angle * factor);
     const along = (wanted) => (shown.axis === "angle" ? turned(wanted) : wanted);
     const runs = curves.runs.filter(
       ({ engine, setting }) => shown.engines.includes(engine) && shown.settings.includes(setting));
     const drawn = (run, colour) => {
-      const [time, value, decades] = unpacked(run.samples), x = along(time), angle = turned(time);
+      const [time, value, decades] = linkproof.unpacked(run.samples), x = along(time), angle = turned(time);
       const error = decades.map((decade) => 10 ** decade), who = `<b>${run.engine} ${run.setting}</b>`;
       const common = {
         type: "scatter", x, name: `${run.engine} ${run.setting}`, showlegend: false,

@@ -34,7 +34,7 @@ CHARTS = {
     "one above the other": Chart(
         (panel(names="", notes=(Note(90.0, 1.0, "1 at 90°"), Note(95.0, 1.0, "2 at 95°"))),
          error_panel(marks=(Mark(90.0, name="jump"), Mark(93.0, name="jump"), Mark(1e-9, "y", "limit", "limit")))),
-        4.0, axis="phi",
+        4.0,
     ),
     "to one scale": Chart(
         tuple(Panel((Curve(n * WAVE, 40.0 * WAVE[::-1]),), "Fx, N", "Fy, N", scale="equal", title=f"joint {n}")

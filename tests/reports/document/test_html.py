@@ -37,7 +37,7 @@ TURN = np.linspace(0.0, 360.0, 50)
 
 def figure(name):
     panel = Panel((Curve(TURN, np.sin(np.radians(TURN)), "S"),), "φ, °", "S, mm", turn=True)
-    return PageFigure(name, FOREIGN, FOREIGN, Chart((panel,), axis="phi"))
+    return PageFigure(name, FOREIGN, FOREIGN, Chart((panel,)))
 
 
 TABLE = Table(

@@ -1,6 +1,5 @@
 """The half of a mechanism's page that shows how the engines did: tables, curves, every error at a glance."""
 
-import base64
 import json
 
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 from comparisons.motion.thinning import EXTREMES, WORST
 from comparisons.trials.judging.records import Verdict
 from engines.contract import Setting
+from reports.document.chart import packed
 from reports.document.parts import Table, TableCell, Widget
 from reports.mechanism.engines import (
     MARKERS,
@@ -17,10 +17,9 @@ from reports.mechanism.engines import (
     engines_section,
     errors_chart,
     errors_section,
-    packed,
 )
 from reports.records import views
-from tests.reports.made_up_results import changed_results, made_up_results
+from tests.reports.made_up_results import changed_results, made_up_results, unpacked
 
 
 @pytest.fixture(scope="module")
@@ -93,13 +92,6 @@ def view():
         quantities=("Mkr", "Jeq"),
     )
     return views(results)[0]
-
-
-def unpacked(data):
-    """Columns as the page's script reads them, NaN where it draws nothing."""
-    shares = np.frombuffer(base64.b64decode(data["shares"]), "<u2").reshape(3, -1)
-    columns = (low + share / 65534 * (high - low) for (low, high), share in zip(data["ends"], shares, strict=True))
-    return np.where(shares > 65534, np.nan, [*columns])
 
 
 def test_a_run_keeps_its_largest_error_and_where_it_is(view):

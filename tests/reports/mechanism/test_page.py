@@ -1,4 +1,4 @@
-"""The page of a mechanism: figures in the units of the file, the thread, released cranks, what its player is given."""
+"""The page of a mechanism: figures in the units of the file, the thread, released cranks, samples of a motion."""
 
 import math
 from dataclasses import replace
@@ -13,11 +13,12 @@ from comparisons.designer.building import page_sheet, usual_sheet
 from comparisons.designer.curves import SignalFigure
 from comparisons.motion.case import Case
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
+from reports.live import live_widget
 from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, piston_text, released_sheet
-from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_results import made_up_results, unpacked
 
 
 def figures(found):
@@ -82,12 +83,11 @@ def test_without_masses_a_sentence_stands_for_torque_and_forces():
     found = page_of(text)
     assert "no torque" in section(found, "drive").parts[0].words
     assert not section(found, "forces")
-    assert section(found, "motion")
 
 
 def test_without_an_output_a_sentence_says_so():
     found = page_of(piston_text().replace('output = { point = "B" }\n', ""))
-    assert "names no output" in section(found, "motion").parts[-1].words
+    assert "names no output" in section(found, "drive").parts[0].words
     assert "stroke" not in key_rows(found)
 
 
@@ -141,6 +141,20 @@ def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
     assert required.rows[1] == ("60.00", "40.00", "36.41", "-3.593")
 
 
+def test_what_cannot_be_computed_anew_is_given_as_samples_of_the_motion():
+    sheet = shown()
+    widget = live_widget(sheet, "its crank is released", ())
+    names = [one["name"] for one in widget.data["results"]]
+    phi, *rows = unpacked(widget.further["model"]["samples"])
+    found = dict(zip(names, rows, strict=True))
+    time = np.linspace(0.0, widget.data["motion"]["duration"], len(phi))
+    assert phi == pytest.approx(SPEED * time, abs=1e-4)
+    assert found["S"] == pytest.approx(np.interp(phi, sheet.values["phi"], sheet.values["S"]), abs=1e-4 * CRANK)
+    assert found["point:A:x"] == pytest.approx(CRANK * np.cos(phi), abs=1e-4 * CRANK)
+    assert not widget.data["numbers"]
+    assert not widget.data["pulls"]
+
+
 @pytest.fixture(scope="module")
 def driven():
     return released_sheet()
@@ -186,6 +200,3 @@ def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
 )
 def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
     assert words(shown(length=length, metres=metres), one) == text
-
-
-# What a player is given: a place on the figures, a pose of the drawing and the signals, instant by instant.
