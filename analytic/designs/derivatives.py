@@ -27,7 +27,7 @@ from analytic.designs.results import is_turn, period_of
 from analytic.designs.sampled_figures import FigureRequest, mean_cells, unwrapped_near
 from analytic.designs.sampled_signals import checked_parameters, speed_of
 from analytic.kinematics.decomposition import find_structure
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import is_traceable
@@ -58,11 +58,7 @@ def signal_values(
 
     Raises AssemblyError where the design cannot be assembled.
     """
-    if is_exact(mechanism):
-        design = _Design(mechanism, parameters, speed)
-        sweep = design.sweep(design.plain, angle)
-    else:
-        sweep = _sweep(mechanism, parameters, angle)
+    sweep = _design(mechanism, parameters, speed).plain_sweep(angle)
     _check_moves(sweep)
     zero_of_s = float(np.max(sweep.output())) if "S" in signals else 0.0
     at = MovingSweep(mechanism, sweep, np.asarray(speed_of(parameters, speed)), np.asarray(0.0), zero_of_s)
@@ -88,7 +84,7 @@ def signal_gradients(
             return signal_values(mechanism, numbers, signals, places, speed=speed)
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
-    design = _Design(mechanism, parameters, speed)
+    design = _design(mechanism, parameters, speed)
     design.check(places)
     zero_of_s = design.farthest(places, refine=False) if "S" in signals else 0.0
     at = design.varied(places, zero_of_s)
@@ -113,10 +109,10 @@ def figure_gradients(
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
     if not is_exact(mechanism):
-        _check_moves(_sweep(mechanism, parameters, places))
+        _check_moves(_design(mechanism, parameters, speed).plain_sweep(places))
         period = period_of(mechanism, places)
         return _figure_differences(FigureRequest(mechanism, tuple(figures), places, speed, period, refine), parameters)
-    design = _Design(mechanism, parameters, speed)
+    design = _design(mechanism, parameters, speed)
     design.check(places)
     zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
     ends = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
@@ -154,6 +150,21 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
     return differences(figures_of, parameters, _steps(request.mechanism, parameters))[:2]
 
 
+@once_per_mechanism
+def _latest_designs(_: Mechanism) -> dict[object, _Design]:
+    """The design of a mechanism that was asked for last, by its numbers: an optimiser asks for each several times."""
+    return {}
+
+
+def _design(mechanism: Mechanism, parameters: Mapping[str, float], speed: float) -> _Design:
+    """The design with these numbers."""
+    latest, key = _latest_designs(mechanism), (*parameters.items(), speed)
+    if key not in latest:
+        latest.clear()
+        latest[key] = _Design(mechanism, dict(parameters), speed)
+    return latest[key]
+
+
 @dataclass(frozen=True)
 class _Design:
     """One design: as plain numbers, and as numbers that carry their derivatives by the parameters."""
@@ -188,7 +199,16 @@ class _Design:
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
-        _check_moves(self.sweep(self.plain, places))
+        _check_moves(self.plain_sweep(places))
+
+    @cached_property
+    def _followed(self) -> Mechanism:
+        """The design by itself, for a mechanism whose assembly modes have to be followed."""
+        return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, self.parameters))
+
+    def plain_sweep(self, places: Array) -> Sweep:
+        """The design at crank angles, rad, in plain numbers."""
+        return self.sweep(self.plain, places) if is_exact(self.mechanism) else self._followed.sweep(places)
 
     def sweep(self, model: LinkageAndStructure, angle: Any) -> Sweep:  # noqa: ANN401 - plain or dual
         """The design at crank angles, rad."""
@@ -344,11 +364,6 @@ def _values_and_slopes(number: Any, count: int) -> tuple[Array, Array]:  # noqa:
 def _with_period_end(places: Array, period: float) -> Array:
     """Crank angles that divide a period evenly with its end added; others as they are."""
     return np.append(places, places[0] + period) if is_turn(places, period) else places
-
-
-def _sweep(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> Sweep:
-    """A design at crank angles, rad, in plain numbers."""
-    return mechanism.redesigned(with_numbers(mechanism.linkage, parameters)).sweep(places)
 
 
 def _check_moves(sweep: Sweep) -> None:
