@@ -20,7 +20,7 @@ from comparisons.trials.campaign.saved_linkages import load_cases
 from comparisons.trials.runs.files import claim, write_text
 from comparisons.trials.runs.run_engine import Lost
 from comparisons.trials.runs.store import has_study
-from comparisons.trials.runs.workers import run_jobs, usual_processes
+from comparisons.trials.runs.workers import LocalPool, usual_processes
 from comparisons.trials.stress import campaign as stress_test
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.work_precision import table as work_precision
@@ -143,7 +143,7 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):
         count = usual_processes(len(jobs)) if processes is None else processes
-        for job, names in run_jobs(write, jobs, processes=count):
+        for job, names in LocalPool(count).run(write, jobs):
             if not isinstance(names, Lost):
                 written[job] = names
     for job, (file,) in enumerate(jobs):

@@ -14,7 +14,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from comparisons.trials.runs.files import STORE, write_text
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from reports.command_line.main import main
 from reports.document.html import Picture
 
@@ -22,9 +22,9 @@ ROOT = Path(__file__).parents[1]
 COMMAND = (sys.executable, "-m", "reports.command_line.main")
 
 
-def run_here(function, jobs, processes):
-    """The jobs of worker processes, run in this one, which has imported what they need."""
-    return run_jobs(function, jobs, processes=0)
+def pool_here(_processes=None):
+    """A pool that runs its jobs in this process, which has imported what they need."""
+    return LocalPool(0)
 
 
 def stored_runs(folder):
@@ -47,7 +47,7 @@ def linkproof(*words, cwd=None, stderr=None):
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
     out, code = io.StringIO(), 0
     err = out if stderr == subprocess.STDOUT else io.StringIO()
-    here = patch("reports.site.run_jobs", run_here)
+    here = patch("reports.site.LocalPool", pool_here)
     place = nullcontext() if cwd is None else chdir(cwd)
     drawing = patch("reports.document.html._PageFiles.picture", empty_picture)
     with here, drawing, place, patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):

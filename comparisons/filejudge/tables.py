@@ -29,7 +29,7 @@ from analytic.files import check_file, read_file
 from comparisons.filejudge.columns import Array, Column, ResultTable
 from comparisons.filejudge.headers import parse_unit
 from comparisons.trials.runs.run_engine import Bounds, Lost
-from comparisons.trials.runs.workers import most_processes, run_jobs
+from comparisons.trials.runs.workers import LocalPool, most_processes
 
 EXPECTED: Final = "a file of results, such as a CSV"
 LARGEST: Final = 1 << 27  # bytes of a file, and of what is packed in it
@@ -425,7 +425,7 @@ def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
     check_file(path, EXPECTED, LARGEST)
     processes = min(1, most_processes())
     results: list[tuple[int, R | str | Lost]] = [
-        *run_jobs(_result_or_words, [(reader, path)], bounds=READER, processes=processes)
+        *LocalPool(processes).run(_result_or_words, [(reader, path)], bounds=READER)
     ]
     result = results[0][1]
     if isinstance(result, Lost | str):

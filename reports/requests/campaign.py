@@ -30,7 +30,7 @@ from comparisons.trials.runs.plugins import engines
 from comparisons.trials.runs.plugins import engines as adapters
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, Bounds
 from comparisons.trials.runs.study import Task
-from comparisons.trials.runs.workers import LastingPool, LocalPool, Pool, most_processes
+from comparisons.trials.runs.workers import LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.records import CONCURRENT_RUNS
@@ -158,9 +158,9 @@ class RunResources:
         return LocalPool(self.processes) if self.scheduler is None else DaskPool(self.scheduler)
 
     @property
-    def lasting_pool(self) -> LastingPool | DaskPool:
+    def lasting_pool(self) -> LocalPool | DaskPool:
         """The same for list after list of runs."""
-        return LastingPool(self.processes) if self.scheduler is None else DaskPool(self.scheduler)
+        return LocalPool(self.processes, lasts=True) if self.scheduler is None else DaskPool(self.scheduler)
 
 
 def run_resources(limits: RunLimits) -> RunResources:

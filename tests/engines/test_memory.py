@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.motion.case import scene
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from engines.registry import engine, own_names
 from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
@@ -41,5 +41,5 @@ def left_by(name):
 @pytest.mark.parametrize("name", own_names())
 def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
     installed(name)
-    ((_, left),) = run_jobs(left_by, [(name,)], processes=1)
+    ((_, left),) = LocalPool(1).run(left_by, [(name,)])
     assert left < ALLOWED

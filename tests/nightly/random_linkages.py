@@ -19,7 +19,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.runs.run_engine import Bounds, Lost, run_engine
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress.verdict import Cell, StressVerdict, judged
 from engines.contract import Setting
 from engines.registry import engine
@@ -192,7 +192,7 @@ def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE)
     """The runs of linkages 0 … count − 1 in these engines."""
     jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
     found = {name: Tally() for name in engines}
-    for job, result in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
+    for job, result in LocalPool().run(run, jobs, bounds=Bounds(seconds=SECONDS)):
         verdict = result.outcome.value if isinstance(result, Lost) else result
         found[jobs[job][1]].verdicts[StressVerdict(verdict)] += 1
     return found

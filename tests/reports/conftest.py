@@ -2,13 +2,13 @@
 
 import pytest
 
-from tests.commands import empty_picture, run_here
+from tests.commands import empty_picture, pool_here
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _pages_here():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reports.site.run_jobs", run_here)
+        patch.setattr("reports.site.LocalPool", pool_here)
         yield
 
 

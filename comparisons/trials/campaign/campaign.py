@@ -23,7 +23,7 @@ from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, blamed_on, run_engine
 from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.study import Announce, Study, Task
-from comparisons.trials.runs.workers import LocalPool, Pool, run_jobs, usual_processes
+from comparisons.trials.runs.workers import LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -247,9 +247,9 @@ def sheets(
     jobs = [(linkage, motions, regimes) for linkage in linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
     try:
-        table = dict(run_jobs(usual_sheet, jobs, processes=count))
+        table = dict(LocalPool(count).run(usual_sheet, jobs))
     except LinkproofError:  # no worker can be started
-        table = dict(run_jobs(usual_sheet, jobs, processes=0))
+        table = dict(LocalPool(0).run(usual_sheet, jobs))
     return [
         bare_sheet(linkages[number], entry.reason) if isinstance(entry, Lost) else entry
         for number, entry in sorted(table.items())

@@ -13,7 +13,7 @@ from comparisons.trials.conformance import conduct, mutants
 from comparisons.trials.conformance.mutants import MUTANT
 from comparisons.trials.conformance.trial import Check, CheckResult, EngineTrial, Finding
 from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Engine
 from engines.registry import Unusable
 
@@ -48,7 +48,7 @@ def run_in_workers(engine: Engine, names: list[str], processes: int | None = Non
         reason = "the engine cannot be sent to another process: let its class stand in a module of its own"
         return [CheckResult(name, Finding.NOT_TESTED, reason) for name in names]
     jobs: list[tuple[Any, ...]] = [(pickled, name) for name in names]
-    results = dict(run_jobs(examine, jobs, bounds=BOUNDS, processes=processes))
+    results = dict(LocalPool(processes).run(examine, jobs, bounds=BOUNDS))
     return [_check_result(name, results[number]) for number, name in enumerate(names)]
 
 

@@ -13,7 +13,7 @@ from uuid import uuid4
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost
-from comparisons.trials.runs.workers import Begun, LastingPool
+from comparisons.trials.runs.workers import Begun, LocalPool
 
 R = TypeVar("R")
 
@@ -38,7 +38,7 @@ class DaskPool:
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, as ``run_jobs`` does; two for every thread are under way.
+        """Call ``function(*job)`` for every job, as a ``Pool`` does; two for every thread are under way.
 
         Raises LinkproofError where there is no scheduler, no worker, or one of another version.
         """
@@ -111,5 +111,5 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
 def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: Bounds) -> R | Lost:
     """On a Dask worker: the result of a job in a process of this thread's own."""
     multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
-    pool: LastingPool = _THREAD.__dict__.setdefault("pool", LastingPool())
+    pool: LocalPool = _THREAD.__dict__.setdefault("pool", LocalPool(1, lasts=True))
     return next(result for _, result in pool.run(function, [job], bounds))

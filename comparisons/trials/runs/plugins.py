@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.run_engine import AdapterError, Bounds, Failure, Lost, blamed_on
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from engines import registry
 from engines.contract import Abilities, Engine, Method, Run, Setting, StudiedEngine
 from engines.scene import Scene
@@ -44,7 +44,7 @@ class PluginEngine:
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         """The engine's ways of stepping that can be studied; raises AdapterError where it cannot tell them."""
-        ((_, told),) = run_jobs(_methods, [(self.name, scene)], bounds=LONGEST_LOADING, processes=1)
+        ((_, told),) = LocalPool(1).run(_methods, [(self.name, scene)], bounds=LONGEST_LOADING)
         if isinstance(told, Lost):
             raise AdapterError(told.reason)
         return told
@@ -93,7 +93,7 @@ def engines(names: Sequence[str]) -> list[Engine]:
     plugins = {name: (name, registry.entry_point(name).value) for name in names if registry.is_plugin(name)}
     new = [key for key in plugins.values() if key not in _ASKED]
     try:
-        for number, told in run_jobs(_facts, [(name,) for name, _ in new], bounds=LONGEST_LOADING):
+        for number, told in LocalPool().run(_facts, [(name,) for name, _ in new], bounds=LONGEST_LOADING):
             _ASKED[new[number]] = _known(new[number][0], told)
     except LinkproofError:  # no worker can be started
         _ASKED.update({key: registry.engine(key[0]) for key in new})

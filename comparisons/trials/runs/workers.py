@@ -9,7 +9,7 @@ import contextlib
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
@@ -40,7 +40,7 @@ def usual_processes(count: int) -> int:
 
 
 class Pool(Protocol):
-    """Where runs are made: ``LocalPool``, ``LastingPool`` or ``comparisons.trials.runs.cluster.DaskPool``."""
+    """Where runs are made: ``LocalPool`` or ``comparisons.trials.runs.cluster.DaskPool``."""
 
     def run(
         self,
@@ -49,20 +49,32 @@ class Pool(Protocol):
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
+        """Call ``function(*job)`` for every job; yields (index of the job, result) as they complete.
+
+        ``function`` is of a module, or a ``functools.partial`` of one. Jobs begin in order, are taken from their
+        iterable when there is room for them, and ``begun`` is called with the index of each.
+        """
         ...
 
 
-class LastingPool:
-    """Worker ``processes`` of this machine that outlive a list of jobs, so that they import and warm up once.
+@dataclass(frozen=True)
+class LocalPool:
+    """Worker ``processes`` of this machine, as many as cores by default, never more than there are jobs.
 
-    A list whose results are not all taken ends the workers, and so does ``close``.
+    A job whose worker dies is tried once more if the worker had finished others before, which may have damaged it. A
+    worker has its next job before its result is yielded, ignores Ctrl-C and writes nothing to the terminal. All workers
+    are killed at once when the generator of results is closed or raises; when this process dies, each ends as soon as
+    its Python code runs, at the latest with its job.
+
+    Workers of a pool that ``lasts`` outlive a list of jobs, so that they import and warm up once, until ``close``.
+
+    With 0 processes the jobs run in this one, one after the other and without bounds: only exceptions are caught.
     """
 
-    def __init__(self, processes: int = 1) -> None:
-        self.processes = processes
-        self._free: list[Worker] = []
-        self._busy: dict[Future[bytes], Worker] = {}
+    processes: int | None = None
+    lasts: bool = False
+    _free: list[Worker] = field(default_factory=list, init=False, repr=False, compare=False)
+    _busy: dict[Future[bytes], Worker] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def run(
         self,
@@ -71,12 +83,20 @@ class LastingPool:
         bounds: Bounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job in these workers, as ``run_jobs`` does."""
+        """Call ``function(*job)`` for every job, as a ``Pool`` does."""
+        count = most_processes() if self.processes is None else self.processes
+        if not count:
+            yield from _results_here(function, jobs, bounds, begun)
+            return
+        if not self.lasts:
+            with contextlib.closing(LocalPool(count, lasts=True)) as pool:
+                yield from pool.run(function, jobs, bounds, begun)
+            return
         pickled, module, left = pickle.dumps(function), _module_name(function), enumerate(jobs)
         ended: list[tuple[int, R | Lost]] = []
         try:
             while True:
-                while len(self._busy) < self.processes and (numbered := next(left, None)) is not None:
+                while len(self._busy) < count and (numbered := next(left, None)) is not None:
                     arguments = pickle.dumps(numbered[1], pickle.HIGHEST_PROTOCOL)
                     self._begin(self._worker(module), (numbered[0], pickled, arguments, bounds), begun)
                 yield from ended
@@ -120,7 +140,8 @@ class LastingPool:
     def close(self) -> None:
         """Kill the workers, busy or not."""
         workers = (*self._free, *self._busy.values())
-        self._free, self._busy = [], {}
+        self._free.clear()
+        self._busy.clear()
         for worker in workers:
             worker.pool.stop()  # type: ignore[no-untyped-call]
         for worker in workers:
@@ -134,55 +155,18 @@ def _module_name(function: Callable[..., Any]) -> str:
     return function.__module__
 
 
-@dataclass(frozen=True)
-class LocalPool:
-    """Worker ``processes`` of this machine, as many as cores by default; with 0 jobs run in this process, unbounded."""
-
-    processes: int | None = None
-
-    def run(
-        self,
-        function: Callable[..., R],
-        jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = DEFAULT_BOUNDS,
-        begun: Begun = lambda _: None,
-    ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, as ``run_jobs`` does."""
-        processes = most_processes() if self.processes is None else self.processes
-        if processes:
-            with contextlib.closing(LastingPool(processes)) as pool:
-                yield from pool.run(function, jobs, bounds, begun)
-            return
-        for number, job in enumerate(jobs):
-            begun(number)
-            result: R | Lost
-            try:
-                result = function(*job)
-            except (Exception, SystemExit) as error:
-                result = lost(error, bounds.memory)
-            yield number, result
+def _results_here(
+    function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: Bounds, begun: Begun
+) -> Iterator[tuple[int, R | Lost]]:
+    """The results of jobs in this process."""
+    for number, job in enumerate(jobs):
+        begun(number)
+        result: R | Lost
+        try:
+            result = function(*job)
+        except (Exception, SystemExit) as error:
+            result = lost(error, bounds.memory)
+        yield number, result
 
 
 EVERY_CORE, ONE_BY_ONE = LocalPool(), LocalPool(1)
-
-
-def run_jobs(
-    function: Callable[..., R],
-    jobs: Iterable[tuple[Any, ...]],
-    *,
-    bounds: Bounds = DEFAULT_BOUNDS,
-    processes: int | None = None,
-    begun: Begun = lambda _: None,
-) -> Generator[tuple[int, R | Lost], None, None]:
-    """Call ``function(*job)`` for every job, in worker processes; yields (index of the job, result) as they complete.
-
-    ``function`` is of a module, or a ``functools.partial`` of one. Jobs begin in order, are taken from their iterable
-    when workers need them, and ``begun`` is called with the index of each; a worker has its next job before its result
-    is yielded. ``processes`` are the cores by default, never more than there are jobs. With 0 the jobs run in this
-    process, one after the other and without bounds: only exceptions are caught.
-
-    A job whose worker dies is tried once more if the worker had finished others before, which may have damaged it.
-    A worker ignores Ctrl-C and writes nothing to the terminal. All workers are killed at once when the generator is
-    closed or raises; when this process dies, each ends as soon as its Python code runs, at the latest with its job.
-    """
-    return LocalPool(processes).run(function, jobs, bounds, begun)

@@ -12,7 +12,7 @@ from comparisons.trials.campaign.campaign import CampaignRequest, cases
 from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
 from comparisons.trials.judging.quantities import check_defined
 from comparisons.trials.runs.cluster import DaskPool
-from comparisons.trials.runs.workers import LastingPool
+from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.work_precision.measure import JOINTS, chosen_families
 from comparisons.trials.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
 from comparisons.trials.work_precision.study import bench as measure_all
@@ -38,7 +38,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: str | None
     destination.warn(requested.linkages)
     if destination.verbose and not options.engine:
         destination.remark(missing_engines(requested.engines))
-    pool = LastingPool() if scheduler is None else DaskPool(scheduler, is_one_by_one=True)
+    pool = LocalPool(1, lasts=True) if scheduler is None else DaskPool(scheduler, is_one_by_one=True)
     with closing(pool), report_interruption(out, KIND) as counting:
         finished = finished_runs(out, wanted.command, requested.engines, requested.linkages) if out else None
         wanted = replace(wanted, pool=pool)

@@ -14,7 +14,7 @@ from comparisons.designer.building import usual_case
 from comparisons.trials.campaign.results import save
 from comparisons.trials.campaign.saved_linkages import RESULTS, save_case
 from comparisons.trials.runs.files import STORE, write_text
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress.campaign import KIND as STRESS
 from comparisons.trials.stress.campaign import save as save_stress
 from comparisons.trials.work_precision.table import KIND as BENCH
@@ -73,7 +73,7 @@ def test_every_page_is_there_and_every_link_leads_to_a_file(site):
 
 @pytest.mark.nightly
 def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
-    monkeypatch.setattr("reports.site.run_jobs", run_jobs)
+    monkeypatch.setattr("reports.site.LocalPool", LocalPool)
     shutil.copytree(saved, tmp_path, dirs_exist_ok=True)
     write_site(tmp_path, processes=1)
     assert files_of(tmp_path) == files_of(site)
@@ -121,7 +121,7 @@ def test_pages_are_written_where_no_process_can_be_started(tmp_path, monkeypatch
     def refuse(*_, **__):
         raise LinkproofError("no process")
 
-    monkeypatch.setattr("reports.site.run_jobs", refuse)
+    monkeypatch.setattr("reports.site.LocalPool", refuse)
     save_case(tmp_path, usual_case(Mechanism(load(NAME))))
     assert write_site(tmp_path).is_file()
 

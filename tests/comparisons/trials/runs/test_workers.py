@@ -11,7 +11,7 @@ import pytest
 
 from comparisons.trials.runs import worker_process
 from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Bounds, Failure, Lost
-from comparisons.trials.runs.workers import LastingPool, run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -54,7 +54,7 @@ def written(path):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
 def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
     jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
-    results = dict(run_jobs(job, jobs, bounds=BOUNDS))
+    results = dict(LocalPool().run(job, jobs, bounds=BOUNDS))
     assert sorted(results) == list(range(len(jobs)))
     for number, (kind, _, outcome, reason) in enumerate(FATES):
         lost = results[3 * number]
@@ -67,14 +67,14 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
 
 def test_a_job_that_writes_into_its_pipe_costs_itself_alone_and_prints_nothing(monkeypatch, capfd):
     monkeypatch.setattr(worker_process, "_EXIT_TIMEOUT", 0.1)
-    results = dict(run_jobs(job, [("fine", 1), ("garble", None), ("fine", 2)], processes=1))
+    results = dict(LocalPool(1).run(job, [("fine", 1), ("garble", None), ("fine", 2)]))
     assert results == {0: 1, 1: Lost(Failure.CRASHED, "broke its connection"), 2: 2}
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
     jobs = [("spoil", 1), *(("clocked", None),) * 3, ("fine", 3)]
-    results = dict(run_jobs(job, jobs, processes=1))
+    results = dict(LocalPool(1).run(job, jobs))
     assert (len(results), results[0], results[4]) == (5, 1, 3)
     assert not any(isinstance(one, Lost) for one in results.values())
 
@@ -82,7 +82,7 @@ def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
 def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
     begun = []
     jobs = [("fine", 1), ("abort", None), ("abort", None), ("fine", 2)]
-    results = dict(run_jobs(job, jobs, processes=1, begun=begun.append))
+    results = dict(LocalPool(1).run(job, jobs, begun=begun.append))
     assert [results[0], results[3]] == [1, 2]
     assert {results[1].reason, results[2].reason} == {"died by signal 6 (SIGABRT)"}
     assert begun == [0, 1, 1, 2, 3]
@@ -90,7 +90,7 @@ def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
 
 def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
     begun, path = [], tmp_path / "at last"
-    results = run_jobs(job, [("slow", str(path)), ("fine", 1), ("fine", 2)], processes=2, begun=begun.append)
+    results = LocalPool(2).run(job, [("slow", str(path)), ("fine", 1), ("fine", 2)], begun=begun.append)
     assert [next(results), next(results)] == [(1, 1), (2, 2)]
     path.touch()
     assert list(results) == [(0, str(path))]
@@ -100,7 +100,7 @@ def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
 def test_output_is_shown_on_request(monkeypatch, capfd):
     monkeypatch.setenv("LINKPROOF_WORKER_START", "spawn")
     monkeypatch.setenv(SHOW_OUTPUT, "1")
-    list(run_jobs(job, [("write", None)], processes=1))
+    list(LocalPool(1).run(job, [("write", None)]))
     assert all("noise" in text for text in capfd.readouterr())
 
 
@@ -109,7 +109,8 @@ def test_workers_import_what_their_parent_does_and_nothing_from_the_working_fold
         (tmp_path / name).mkdir()
         (tmp_path / name / "probe.py").write_text(f"def where():\n    return '{name}'\n")
     words = (
-        "from comparisons.trials.runs.workers import run_jobs; import probe; print(list(run_jobs(probe.where, [()])))"
+        "from comparisons.trials.runs.workers import EVERY_CORE; import probe; "
+        "print(list(EVERY_CORE.run(probe.where, [()])))"
     )
     (tmp_path / "program" / "script.py").write_text(words)
     command = [sys.executable, str(tmp_path / "program" / "script.py")]
@@ -146,7 +147,7 @@ def test_commands_run_where_there_are_no_processes():
 
 
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
-    with closing(LastingPool(1)) as pool:
+    with closing(LocalPool(1, lasts=True)) as pool:
         ((_, first),) = pool.run(os.getpid, [()])
         os.kill(first, signal.SIGTERM)
         ((_, second),) = pool.run(os.getpid, [()])
@@ -154,18 +155,18 @@ def test_a_worker_that_has_ended_between_two_jobs_costs_none():
 
 
 def test_a_worker_does_not_hear_ctrl_c():
-    assert list(run_jobs(job, [("interrupt_itself", 7)])) == [(0, 7)]
+    assert list(LocalPool().run(job, [("interrupt_itself", 7)])) == [(0, 7)]
 
 
 def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
     jobs = [("fine", 1), ("fail", None), ("leave", 3)]
-    (_, fine), (_, failed), (_, left) = run_jobs(job, jobs, processes=0)
+    (_, fine), (_, failed), (_, left) = LocalPool(0).run(job, jobs)
     assert fine == 1
     assert failed.outcome is Failure.SUITE_ERROR
     assert "ValueError: first line second line (comparisons/trials/runs/workers.py, line " in failed.reason
     assert left == Lost(Failure.CRASHED, "exited with code 3")
     with pytest.raises(KeyboardInterrupt):
-        list(run_jobs(job, [("interrupt_itself", None)], processes=0))
+        list(LocalPool(0).run(job, [("interrupt_itself", None)]))
 
 
 def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_path):
@@ -173,7 +174,7 @@ def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_pa
         assert list(pool.run(job, [("sign", str(tmp_path / name))], BOUNDS)) == [(0, None)]
         return int((tmp_path / name).read_text())
 
-    with closing(LastingPool(1)) as pool:
+    with closing(LocalPool(1, lasts=True)) as pool:
         first = signed(pool, "first")
         assert first == signed(pool, "second") != os.getpid()
         assert runs(first)
@@ -190,7 +191,7 @@ def test_a_lasting_worker_serves_list_after_list_until_one_is_interrupted(tmp_pa
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 def test_a_job_over_its_time_costs_itself_alone_and_what_it_has_started_dies(tmp_path, clock):
     path = tmp_path / "child"
-    results = run_jobs(job, [("fine", 1), ("fork_and_sleep", str(path))], processes=1)
+    results = LocalPool(1).run(job, [("fine", 1), ("fork_and_sleep", str(path))])
     assert next(results) == (0, 1)
     assert wait_for(lambda: written(path))
     assert runs(int(path.read_text()))
@@ -201,9 +202,9 @@ def test_a_job_over_its_time_costs_itself_alone_and_what_it_has_started_dies(tmp
 
 PARENT = """
 import sys
-from comparisons.trials.runs.workers import run_jobs
+from comparisons.trials.runs.workers import LocalPool
 from tests.comparisons.faults import job
-list(run_jobs(job, zip(["sign_and_sleep", "fork_and_sleep"], sys.argv[1:]), processes=2))
+list(LocalPool(2).run(job, zip(["sign_and_sleep", "fork_and_sleep"], sys.argv[1:])))
 """
 
 
