@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
+from operator import attrgetter
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
@@ -91,6 +92,7 @@ class Error(NamedTuple):
 
 RunName = tuple[str, str, str, str, str]  # mechanism, variant, regime, engine and setting
 NAMES: Final = Error._fields[:6]  # the columns that errors share with their run
+_names: Final = attrgetter(*NAMES)
 PARTS: Final = ("errors", "invariants")
 
 
@@ -137,11 +139,11 @@ class Run:
     @property
     def blank(self) -> Error:
         """An error of the run before anything is found."""
-        return Error(*(getattr(self, name) for name in NAMES))
+        return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
         """The last columns of errors, ``ERRORS``, as errors of this run."""
-        names = self.blank[: len(NAMES)]
+        names = _names(self)
         return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
     @property

@@ -128,41 +128,31 @@ class Runs:
     def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Curve]]:
         """The row and the curves of a run, these read when they are needed; raises KeyError.
 
-        Of the row ``errors`` and ``invariants`` are tuples of values, in the order of ``ERRORS``.
+        Of the row ``errors`` and ``invariants`` are lists of tuples of values, in the order of ``ERRORS``.
         """
-        number = self._numbers[key]
-        (text,) = self.connection.execute("SELECT facts FROM runs WHERE id = ?", (number,)).fetchone()
-        errors = self.connection.execute(f"SELECT is_check, {_COLUMNS} FROM errors WHERE run = ?", (number,))
-        return _row(text, errors), _Curves(self.connection, number)
+        return next(self._read("id", self._numbers[key]))
 
     def every(self) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
         """Row and curves of every run as ``read`` has them, in one pass over the file."""
-        mine = "FROM errors WHERE run IN (SELECT id FROM runs WHERE study = ?)"
+        return self._read("study", self.study)
+
+    def _read(self, column: str, number: int) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
+        """Row and curves of the runs that have this number in a column."""
+        mine, select = f"FROM errors WHERE run IN (SELECT id FROM runs WHERE {column} = ?)", self.connection.execute
         counts = {
-            number: (count - checks, checks)
-            for number, count, checks in self.connection.execute(
-                f"SELECT run, count(*), sum(is_check) {mine} GROUP BY run", (self.study,)
-            )
+            run: (count - checks, checks)
+            for run, count, checks in select(f"SELECT run, count(*), sum(is_check) {mine} GROUP BY run", (number,))
         }
-        errors = self.connection.execute(f"SELECT {_COLUMNS} {mine} ORDER BY run, rowid", (self.study,))
-        facts = "SELECT id, facts FROM runs WHERE study = ? ORDER BY id"
-        for number, text in self.connection.execute(facts, (self.study,)):
-            parts = [list(islice(errors, count)) for count in counts.get(number, (0, 0))]
-            yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, number)
+        errors = select(f"SELECT {_COLUMNS} {mine} ORDER BY run, rowid", (number,))
+        for run, text in select(f"SELECT id, facts FROM runs WHERE {column} = ? ORDER BY id", (number,)):
+            parts = [list(islice(errors, count)) for count in counts.get(run, (0, 0))]
+            yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, run)
 
     def clear(self) -> None:
         """Remove the study with its runs."""
         with _transaction(self.connection):
             self.connection.execute("DELETE FROM studies WHERE id = ?", (self.study,))
         self._numbers.clear()
-
-
-def _row(text: str, errors: Iterable[tuple[Any, ...]]) -> dict[str, Any]:
-    """A run's row, of its facts as JSON and of its errors, each after whether it is a check."""
-    parts: tuple[list[tuple[Any, ...]], ...] = ([], [])
-    for error in errors:
-        parts[error[0] != 0].append(error[1:])
-    return {**json.loads(text), "errors": parts[0], "invariants": parts[1]}
 
 
 def _little(curve: Curve) -> Curve:
