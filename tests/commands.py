@@ -87,9 +87,10 @@ def watching(file, *words):
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as server:
         try:
-            line = server.stderr.readline()
-            assert line.startswith("page: http://127.0.0.1:"), line
-            yield line.split()[1].removesuffix(";")
+            address, note = server.stderr.readline().rstrip("\n"), server.stderr.readline()
+            assert address.startswith("http://127.0.0.1:"), address
+            assert note.endswith("Ctrl-C ends it.\n"), note
+            yield address
         finally:
             server.send_signal(signal.SIGINT)
             rest = server.stderr.read()

@@ -318,8 +318,10 @@ def test_a_watched_page_follows_its_file_and_saves_to_it(browser, tmp_path):
         assert (file.read_text(encoding="utf-8"), faults) == (text, [])
 
         file.write_text("crank = 3\n", encoding="utf-8")
-        page.get_by_text("mine.toml:1:").wait_for()
+        page.locator(".banner").get_by_text("mine.toml:1:").wait_for()
+        page.locator(".live-scheme").wait_for()  # as it was before
         file.write_text(FOUR_BAR, encoding="utf-8")
+        page.locator(".banner").wait_for(state="detached")
         page.locator(".live-scheme").wait_for()
         state = page.locator("meta[name=linkproof-state]").get_attribute("content")
         page.route("**/state", lambda route: route.fulfill(body=state))  # the page has not noticed yet

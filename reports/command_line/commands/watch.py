@@ -13,6 +13,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from mimetypes import guess_type
 from pathlib import Path
+from socket import SHUT_RDWR, socket
 from tempfile import TemporaryDirectory
 from threading import Lock, Thread
 from typing import Final
@@ -23,7 +24,7 @@ from analytic.files import read_file
 from comparisons.designer.building import page_sheet
 from comparisons.trials.runs.files import write_bytes
 from reports.document import html
-from reports.document.parts import Page, Paragraph, Widget
+from reports.document.parts import Page, Paragraph
 from reports.document.terminal import show
 from reports.mechanism.page import page
 from reports.requests.motions import requested_results
@@ -38,7 +39,7 @@ def watch(options: WatchOptions) -> None:
     except webbrowser.Error as error:
         raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
     with PageServer(file.page, file.save) as server:
-        show(f"page: {server.address}; Ctrl-C ends it", stderr=True)
+        show(f"{server.address}\nThe page follows {options.mechanism}; Ctrl-C ends it.", stderr=True)
         if browser:
             Thread(target=browser.open, args=(server.address,), daemon=True).start()
         with suppress(KeyboardInterrupt):
@@ -55,6 +56,8 @@ class _WatchedFile:
             )
         self.options, self.path = options, Path(options.mechanism)
         self._lock, self._files = Lock(), {"state": b""}
+        self._shown: Page | None = None  # of the file when it was last without a fault
+        self._fault = ""
 
     def page(self) -> Mapping[str, bytes]:
         """The files of the page of the file as it is now, and its state."""
@@ -72,6 +75,8 @@ class _WatchedFile:
                     f"{self.path.name} has changed since this page was built: nothing was written; copy what you "
                     "need, then reload the page"
                 )
+            if self._fault:
+                raise LinkproofError(f"{self.path.name} has a fault, so nothing was written: correct it in an editor")
             loading.tables(text, self.path.name)
             ends = "\r\n" if b"\r\n" in read_file(self.path, "a linkage file") else "\n"
             write_bytes(self.path, text.replace("\n", ends).encode())
@@ -82,22 +87,25 @@ class _WatchedFile:
         return "no file"
 
     def _build_files(self, state: str) -> dict[str, bytes]:
-        """The files of the page of the linkage, or of the error in its file."""
+        """The files of the page of the linkage; an error in its file stands above what was last without one."""
         name = self.path.name
+        self._fault = ""
         try:
             case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)
-            shown = page(page_sheet(case))
+            self._shown = replace(page(page_sheet(case)), sections=())  # whose figures would not follow
         except LinkproofError as error:
-            shown = Page("", name, name, "The page follows the file.", (Paragraph(str(error), "verdict"),), ())
-        if any(isinstance(part, Widget) for part in shown.parts):
-            shown = replace(shown, sections=())  # its figures would not follow
+            self._fault = str(error)
+        shown = self._shown or Page("", name, name, "The page follows the file.", (), ())
+        if self._fault:
+            note = (Paragraph("Below is the linkage before this fault.", "small"),) if self._shown else ()
+            shown = replace(shown, parts=(Paragraph(self._fault, "verdict banner"), *note, *shown.parts))
         with TemporaryDirectory() as place:
             folder = Path(place)
             html.write_assets(folder)
             html.write(replace(shown, file="index.html", state=state), folder, ())
             files = [path for path in folder.rglob("*") if path.is_file()]
-            byteses = {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
-        return {**byteses, "state": state.encode()}
+            contents = {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
+        return {**contents, "state": state.encode()}
 
 
 # A page served to the browsers of this machine alone: its address has a token, and only a click on it writes.
@@ -105,6 +113,8 @@ class _WatchedFile:
 
 HOST: Final = "127.0.0.1"
 MOST: Final = 4_000_000  # bytes of a text that is saved
+MOST_OPEN: Final = 32  # requests at a time: one more ends the oldest
+PATIENCE: Final = 10.0  # s without a byte of a request
 HEADERS: Final = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "frame-ancestors 'none'",
@@ -122,19 +132,36 @@ class PageServer(ThreadingHTTPServer):
 
     def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None]) -> None:
         self.page, self.save = page, save
+        self._open: dict[socket, None] = {}
         super().__init__((HOST, 0), _Request)
         self.site = f"http://{HOST}:{self.server_port}"
         self.folder = f"/{secrets.token_urlsafe(24)}/"
         self.address = self.site + self.folder
 
+    def process_request(self, request: socket, client_address: object) -> None:  # type: ignore[override]
+        """Answer a request in a thread of its own; the oldest of too many has no answer."""
+        self._open[request] = None
+        if len(self._open) > MOST_OPEN:
+            with suppress(OSError):  # it has just ended
+                oldest = next(iter(self._open))
+                del self._open[oldest]
+                oldest.shutdown(SHUT_RDWR)
+        super().process_request(request, client_address)  # type: ignore[arg-type]
+
+    def shutdown_request(self, request: socket) -> None:  # type: ignore[override]
+        """End a request, which is none of the open ones any more."""
+        self._open.pop(request, None)
+        super().shutdown_request(request)
+
     def handle_error(self, request: object, client_address: object) -> None:
         """Print an error of the server, but for a browser that has disconnected."""
-        if not isinstance(sys.exception(), ConnectionError):
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 
 
 class _Request(BaseHTTPRequestHandler):
     server: PageServer
+    timeout = PATIENCE
 
     def do_GET(self) -> None:
         """A file of the page."""
@@ -149,7 +176,8 @@ class _Request(BaseHTTPRequestHandler):
         name, length = self._name(), self.headers.get("Content-Length", "")
         if name is None:
             return
-        if name != "save" or "Origin" not in self.headers or not length.isdecimal() or int(length) > MOST:
+        is_short = length.isascii() and length.isdecimal() and len(length) <= len(str(MOST)) and int(length) <= MOST
+        if name != "save" or "Origin" not in self.headers or not is_short:
             self._send_response(HTTPStatus.BAD_REQUEST)
             return
         try:

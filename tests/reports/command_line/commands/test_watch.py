@@ -1,5 +1,6 @@
 """linkproof watch: a page of this machine's own, which follows its file; nothing else reads it or writes."""
 
+import socket
 import webbrowser
 from http.client import HTTPConnection
 from unittest.mock import Mock
@@ -66,6 +67,7 @@ def state(place):
         ("POST", "save", {"Origin": None}, 400),
         ("POST", "save", {"If-Match": "0" * 64}, 409),
         ("POST", "save", {"Content-Length": 10**9}, 400),
+        ("POST", "save", {"Content-Length": "1" * 5000}, 400),
     ],
 )
 def test_nothing_but_its_own_page_reads_or_writes(watched, method, name, headers, status):
@@ -108,8 +110,25 @@ def test_a_fault_in_the_file_is_on_the_page_with_its_line(watched):
     assert "mine.toml:1:" in text
     assert "&lt;b&gt;not" in text
     assert "<b>not" not in text
+    assert 'data-kind="live"' in text  # the linkage as it was
+    code, _, reason = answer(place, "POST", "save", state(place), STEADY)
+    assert (code, "mine.toml has a fault" in reason) == (409, True)
     file.unlink()
     assert "does not exist" in answer(place)[2]
+    code, _, reason = answer(place, "POST", "save", state(place), STEADY)
+    assert (code, "nothing was written" in reason, file.exists()) == (409, True, False)
+
+
+def test_many_half_sent_requests_keep_nobody_else_out(watched):
+    place = watched[1]
+    half = [socket.create_connection((place.hostname, place.port)) for _ in range(100)]
+    for one in half:
+        one.sendall(b"POST /save HTTP/1.1\r\nContent-Length: 9\r\n")
+    assert answer(place, name="state")[0] == 200
+    half[0].settimeout(60)
+    assert half[0].recv(1) == b""  # the oldest has been ended
+    for one in half:
+        one.close()
 
 
 def test_what_cannot_be_watched_is_refused_in_a_sentence(tmp_path, monkeypatch):
