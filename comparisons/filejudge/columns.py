@@ -9,12 +9,29 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.filejudge.fault import Correction
-
 Array = NDArray[np.float64]
 Axis = Literal["time", "phi"]
 
 TIME: Final = "time"  # an axis, which the closed form has under no name of its own
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A correction that a mapping may accept: ``sign * factor * value + offset`` at the time + ``time_shift``; SI."""
+
+    sign: int = 1
+    factor: float = 1.0
+    time_shift: float = 0.0
+    offset: float = 0.0
+
+    def compose(self, first: Correction) -> Correction:
+        """The correction that applies ``first``, then this one."""
+        return Correction(
+            self.sign * first.sign,
+            self.factor * first.factor,
+            self.time_shift + first.time_shift,
+            self.sign * self.factor * first.offset + self.offset,
+        )
 
 
 @dataclass(frozen=True)

@@ -1,38 +1,43 @@
-"""Faults fitted to what a file shows, and which of them explain it: what an engineer would look at first."""
+"""Hypotheses fitted to what a file shows, and which of them explain it: what an engineer would look at first."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
+from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from comparisons.filejudge.column_faults import UNIT_RATIOS, Evidence, column_faults, group_faults
-from comparisons.filejudge.fault import (
-    Correction,
-    Fault,
+from comparisons.filejudge.columns import Correction
+from comparisons.filejudge.hypotheses import (
+    ZERO_ANGLE,
+    CrankColumn,
+    Evidence,
     FaultKind,
+    Hypothesis,
     Numbers,
-    Simulation,
-    holds_acceleration,
-    is_angle,
-    is_rotary,
+    of_column,
+    of_columns,
+    of_model,
+    of_motion,
+    unit_slips,
+    wrap_angle,
 )
-from comparisons.filejudge.number_faults import misplaced_loads, number_faults, several_numbers
-from comparisons.filejudge.setting_faults import CrankColumn, model_settings, motion_settings
+from comparisons.filejudge.simulation import CRANK, JUMPING, LINKAGE, Simulation
+from comparisons.motion.case import Motion
 from comparisons.trials.judging.quantities import near_jumps
 
 Array = NDArray[np.float64]
 
-TURN: Final = 2.0 * math.pi
-ROUNDS: Final = 8  # of Gauss-Newton
+EVALUATIONS: Final = 16  # of a fit
+IMPOSSIBLE: Final = 1e9  # tolerances that are left where a linkage cannot be so
 MOST_GUESSES: Final = 3  # from which fits are made
-HALVINGS: Final = 6
-SETTLED: Final = 1e-3  # relative gain below which a fit ends
+SETTLED: Final = 1e-2  # relative gain below which a fit ends
 DIFFERENCE_STEP: Final = 1e-4  # of a number's own size, for its difference quotient
 MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open
 AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may leave
@@ -41,10 +46,9 @@ DIGITS: Final = (1, 2, 3)  # of round numbers
 NOT_ROUND: Final = 4  # digits of a number that is not round
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
 
-SAMPLES: Final = 300  # of a signal to which faults of the model are fitted,
+SAMPLES: Final = 300  # of a signal to which faults are fitted,
 FEWEST: Final = 100  # or fewer of each where they are many
 MANY: Final = 4  # signals
-MOST_FITTED: Final = 3000  # samples of a column to which its own faults are fitted
 NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
 EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
 WORTH: Final = 0.2  # the same on some samples, so that it is measured on all
@@ -65,7 +69,7 @@ class Fit:
     ``digits`` are those of its number: 0 for a usual one or none, fewer for a round one.
     """
 
-    fault: Fault
+    fault: Hypothesis
     numbers: Array
     rms: Array
     largest: Array
@@ -74,7 +78,7 @@ class Fit:
     @property
     def words(self) -> str:
         """The fault in one sentence."""
-        return self.fault.words(self.numbers)
+        return self.fault.words(*self.numbers)
 
     @property
     def change(self) -> float:
@@ -90,58 +94,63 @@ class Fit:
             return (FaultKind.SETTING, 0) if len(self.numbers) < 2 else (FaultKind.NUMBER, NOT_ROUND)
         return kind, self.digits
 
+    def applied(self, simulation: Simulation) -> Simulation:
+        """A simulation with the fault."""
+        return simulation.with_values(self.fault.targets(*self.numbers))
+
 
 class Fitting:
     """Faults fitted to some columns, of a simulation without them."""
 
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
         self.simulation, self.evidence = simulation, evidence
+        self.before = [signal.residual for signal in evidence]
 
-    def residuals(self, fault: Fault, numbers: Array) -> list[Array] | None:
+    def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
         """Residuals (n,) of every column with a fault, over its tolerance, nan where undecided; None if impossible."""
+        remains = list(self.before)
         try:
             with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
-                other = fault.apply(self.simulation, numbers)
-                curves = other.predict(self.evidence)
+                other = self.simulation.with_values(fault.targets(*numbers))
+                concerned = [
+                    n for n, signal in enumerate(self.evidence) if other.concerns(signal.name, self.simulation)
+                ]
+                curves = other.predict([self.evidence[n] for n in concerned])
         except (LinkproofError, ArithmeticError):
             return None
         moved = other.motion.jumps != self.simulation.motion.jumps
-        remains = []
-        for signal, values in zip(self.evidence, curves, strict=True):
-            apart = signal.values - values
-            if is_angle(signal.name) and np.any(np.isfinite(apart)):  # known but for whole turns
-                apart = apart - TURN * np.round(np.nanmedian(apart) / TURN)
-            residuals = np.where(signal.counted, apart / signal.tolerance, np.nan)
-            if moved and holds_acceleration(signal.name):
-                residuals = np.where(near_jumps(signal.time, other.motion) & ~signal.over, np.nan, residuals)
-            residuals = np.where(
-                signal.over & np.isnan(residuals), signal.residual, residuals
-            )  # left open, it is not explained
-            remains.append(residuals)
+        for n, curve in zip(concerned, curves, strict=True):
+            remains[n] = self._residual(n, curve, other.motion if moved else None)
         return remains
 
-    def evaluate(self, fault: Fault, numbers: Numbers | Array, digits: int = NOT_ROUND) -> Fit | None:
+    def _residual(self, number: int, curve: Array, moved: Motion | None) -> Array:
+        """The residual of a column, (n,), besides the jumps of a motion that has ``moved``."""
+        signal = self.evidence[number]
+        apart = signal.values - curve
+        if signal.si == "rad" and np.any(np.isfinite(apart)):  # known but for whole turns
+            apart = apart - FULL_TURN * np.round(np.nanmedian(apart) / FULL_TURN)
+        residual = np.where(signal.counted, apart / signal.tolerance, np.nan)
+        if moved and signal.si in JUMPING:
+            residual = np.where(near_jumps(signal.time, moved) & ~signal.over, np.nan, residual)
+        return np.where(signal.over & np.isnan(residual), self.before[number], residual)  # left open, unexplained
+
+    def evaluate(self, fault: Hypothesis, numbers: Iterable[float], digits: int = NOT_ROUND) -> Fit | None:
         """What a fault leaves of the columns with exactly these numbers; None where it cannot be simulated.
 
         ``digits`` goes into the Fit: how round the number is.
         """
-        numbers = np.array(numbers, dtype=float)
-        residuals = self.residuals(fault, numbers)
-        return None if residuals is None else Fit(fault, numbers, *_measures(residuals), digits)
+        return _fit_of(fault, numbers, self.residuals(fault, numbers), digits)
 
-    def best(self, fault: Fault) -> Fit | None:
-        """The best fit of a fault, with usual or round numbers where they leave as little; None if it cannot be."""
-        if fault.usual and not fault.start:
-            return _least_fit(self.evaluate(fault, numbers, 0) for numbers in fault.usual)
+    def best(self, fault: Hypothesis) -> Fit | None:
+        """The best fit of a fault, with usual numbers where they leave as little; None if it cannot be."""
+        usual = (self.evaluate(fault, numbers, 0) for numbers in fault.usual or ((),) * (not fault.start))
         if not fault.start:
-            return self.evaluate(fault, (), 0)
-        best = _least_fit(self._gauss_newton(fault, np.array(guess)) for guess in self._best_guesses(fault))
-        if best is None:
-            return None
-        usual = _least_fit(self.evaluate(fault, numbers, 0) for numbers in fault.usual)
-        if usual and _is_as_good(usual, best, AS_GOOD):
-            return usual
-        return best
+            return _least_fit(usual)
+        best = _least_fit(self._fitted(fault, np.array(guess)) for guess in self._best_guesses(fault))
+        if best is None or (fault.is_linear and not best.change):
+            return best
+        tried = _least_fit(usual)
+        return tried if tried and _is_as_good(tried, best, AS_GOOD) else best
 
     def rounded(self, fit: Fit) -> Fit:
         """A fit with its number as round as the file allows, in the unit in which it is written; itself if none is."""
@@ -155,7 +164,7 @@ class Fitting:
                 return trial
         return fit
 
-    def _best_guesses(self, fault: Fault) -> Sequence[Numbers]:
+    def _best_guesses(self, fault: Hypothesis) -> Sequence[Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
@@ -163,40 +172,54 @@ class Fitting:
         costs = {guess: float(np.sum(fit.rms**2)) for guess, fit in fits.items() if fit is not None}
         return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
-    def _gauss_newton(self, fault: Fault, numbers: Array) -> Fit | None:
-        """The fit of a fault's numbers from a guess, by Gauss-Newton with halved steps; None if not simulated."""
-        is_start = np.array_equal(numbers, fault.start)
-        residuals = [signal.residual for signal in self.evidence] if is_start else self.residuals(fault, numbers)
-        if residuals is None:
+    def _fitted(self, fault: Hypothesis, guess: Array) -> Fit | None:
+        """The least-squares fit of a fault's numbers from a guess; None if that cannot be simulated."""
+        sizes, here, axes = np.array(fault.sizes), np.zeros(len(guess)), DIFFERENCE_STEP * np.eye(len(guess))
+        is_start, (low, high) = np.array_equal(guess, fault.start), fault.bounds
+        seen: dict[bytes, list[Array] | None] = {here.tobytes(): self.before} if is_start else {}
+
+        def remains(step: Array) -> Array | None:
+            """The residuals of all signals, each weighted alike however many samples it has; None if impossible."""
+            key, numbers = step.tobytes(), guess + sizes * step
+            if key not in seen:
+                seen[key] = self.residuals(fault, numbers) if np.all((low <= numbers) & (numbers <= high)) else None
+            parts = seen[key]
+            return parts and np.concatenate([values / np.sqrt(len(values)) for values in parts])
+
+        def known(step: Array) -> Array:
+            values = remains(step)
+            return np.full(samples, IMPOSSIBLE) if values is None else np.nan_to_num(values)
+
+        def slopes(step: Array) -> Array:
+            base, beside = remains(step), [remains(step + axis) for axis in axes]
+            rises = [0.0 * known(step) if base is None or other is None else other - base for other in beside]
+            return np.nan_to_num(np.stack(rises, axis=1) / DIFFERENCE_STEP)
+
+        samples = sum(len(values) for values in self.before)
+        if remains(here) is None:
             return None
-        sizes = np.array(fault.sizes)
-        for _ in range(ROUNDS):
-            vector = _stacked_residuals(residuals)
-            cost = float(vector @ vector)
-            beside = [self.residuals(fault, numbers + DIFFERENCE_STEP * size) for size in np.diag(sizes)]
-            slopes = [_slopes(residuals, groups) for groups in beside if groups is not None]
-            if len(slopes) < len(sizes):
-                break
-            jacobian = np.stack(slopes, axis=1)
-            if not np.all(np.isfinite(jacobian)) or not np.any(jacobian):
-                break
-            step = -np.linalg.lstsq(jacobian, vector, rcond=1e-10)[0]
-            gain = cost - float(np.sum((vector + jacobian @ step) ** 2))
-            if gain <= (HOPELESS if is_start else SETTLED) * cost:
-                break
-            step, is_start = step * sizes, False
-            for _ in range(HALVINGS):
-                trial = self.residuals(fault, numbers + step)
-                gain = -1.0 if trial is None else cost - float(np.sum(_stacked_residuals(trial) ** 2))
-                if gain > 0.0:
-                    break
-                step = 0.5 * step
-            if trial is None or gain <= 0.0:
-                break
-            numbers, residuals = numbers + step, trial
-            if gain <= SETTLED * cost:
-                break
-        return Fit(fault, numbers, *_measures(residuals))
+        if is_start:
+            rest, jacobian = known(here), slopes(here)
+            least = rest - jacobian @ np.linalg.lstsq(jacobian, rest, rcond=1e-10)[0]
+            if least @ least >= (1.0 - HOPELESS) * (rest @ rest):
+                return _fit_of(fault, guess, seen[here.tobytes()])
+        found = least_squares(known, here, slopes, method="lm", x_scale=1.0, ftol=SETTLED, max_nfev=EVALUATIONS).x
+        return _fit_of(fault, guess + sizes * found, seen[found.tobytes()])
+
+
+def _fit_of(
+    fault: Hypothesis, numbers: Iterable[float], residuals: list[Array] | None, digits: int = NOT_ROUND
+) -> Fit | None:
+    """A fit by what is left of every signal: infinite where too much of it is open; None where nothing is known."""
+    if residuals is None:
+        return None
+    rms, largest = [], []
+    for values in residuals:
+        known = values[np.isfinite(values)]
+        enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(values)
+        rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
+        largest.append(float(np.max(np.abs(known))) if enough else np.inf)
+    return Fit(fault, np.array(numbers, dtype=float), np.array(rms), np.array(largest), digits)
 
 
 def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
@@ -208,35 +231,13 @@ def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
     return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
 
 
-def _measures(residuals: Sequence[Array]) -> tuple[Array, Array]:
-    """RMS and largest magnitude of what is left of every signal; infinite where too much of it is open."""
-    rms, largest = [], []
-    for values in residuals:
-        known = values[np.isfinite(values)]
-        enough = len(known) and len(known) >= (1.0 - MOST_OPEN) * len(values)
-        rms.append(float(np.sqrt(np.mean(known**2))) if enough else np.inf)
-        largest.append(float(np.max(np.abs(known))) if enough else np.inf)
-    return np.array(rms), np.array(largest)
-
-
-def _slopes(residuals: Sequence[Array], beside: Sequence[Array]) -> Array:
-    """Derivative of the residuals by a small step to those ``beside``; 0 where either is open."""
-    return _stacked_residuals(
-        [(other - values) / DIFFERENCE_STEP for values, other in zip(residuals, beside, strict=True)]
-    )
-
-
-def _stacked_residuals(residuals: Sequence[Array]) -> Array:
-    """The residuals of all signals in one vector, each signal weighted alike however many samples it has; 0 for nan."""
-    return np.concatenate([np.nan_to_num(values) / np.sqrt(len(values)) for values in residuals])
-
-
 @dataclass(frozen=True)
 class FaultFinding:
     """Signals that one cause explains, by its names: the likeliest and the ``others`` that fit as well.
 
     ``left`` is what it leaves of their error, over the peaks that they have with it; ``fully`` whether that is within
-    the rounding. ``aligned`` are corrections of sign and unit without which it does not fit.
+    the rounding. ``aligned`` are corrections of sign and unit without which it does not fit, ``corrections`` those for
+    the mapping: these, and what undoes the likeliest cause.
     """
 
     signals: tuple[str, ...]
@@ -244,12 +245,8 @@ class FaultFinding:
     others: tuple[Fit, ...]
     left: float
     fully: bool
+    corrections: Mapping[str, Correction]
     aligned: Mapping[str, Correction] = field(default_factory=dict)
-
-    @property
-    def corrections(self) -> dict[str, Correction]:
-        """Corrections for the mapping by the names of signals: those of the likeliest cause, and those it presumes."""
-        return {**self.aligned, **self.likeliest.fault.cure(self.likeliest.numbers)}
 
     @property
     def every(self) -> tuple[Fit, ...]:
@@ -286,7 +283,7 @@ def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str
         before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
         if finding.left < BETTER * min(before, default=math.inf):
             aligned = {name: c for name, c in estimates.items() if name in finding.signals}
-            better.append(replace(finding, aligned=aligned))
+            better.append(replace(finding, aligned=aligned, corrections={**aligned, **finding.corrections}))
     covered = {name for finding in better for name in finding.signals}
     findings = (finding for finding in raw.findings if not covered & set(finding.signals))
     return Explanation((*findings, *better), tuple(name for name in raw.unexplained if name not in covered))
@@ -300,7 +297,7 @@ def estimate_correction(evidence: Evidence) -> Correction | None:
     if not size or abs(product) < SIMILAR * size:
         return None
     ratio = abs(product) / float(truth @ truth)
-    factors = [1.0, *(k for ratio in UNIT_RATIOS.values() if ratio > 2.0 for k in (ratio, 1.0 / ratio))]
+    factors = [1.0, *(k for k, _ in unit_slips(evidence.si, evidence.header) if max(k, 1.0 / k) > 2.0)]
     factor = min(factors, key=lambda k: abs(np.log(ratio / k)))
     if abs(np.log(ratio / factor)) > NEAR_UNIT or (factor == 1.0 and product > 0.0):
         return None
@@ -327,8 +324,8 @@ def _explain_as_read(
     open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
         return Explanation((), ())
-    search = _Search(simulation, evidence)
-    fits = search.fits(names, open_names, column)
+    search = _Search(simulation, evidence, column)
+    fits = search.fits(names, open_names)
     findings: list[FaultFinding] = []
     unnamed: list[str] = []
     while open_names:
@@ -351,8 +348,8 @@ def _explain_as_read(
 class _Search:
     """Faults fitted to some columns, and how they compare with the residuals before any fault is applied."""
 
-    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
-        self.simulation, self.evidence = simulation, evidence
+    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence], column: CrankColumn | None) -> None:
+        self.simulation, self.evidence, self.column = simulation, evidence, column
         self.places = {signal.name: n for n, signal in enumerate(evidence)}
         self.whole = Fitting(simulation, evidence)
         few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
@@ -363,46 +360,28 @@ class _Search:
         shares = [(signal.rounding / signal.tolerance)[signal.counted] for signal in evidence]
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
-    def fits(self, names: Sequence[str], open_names: Sequence[str], column: CrankColumn | None) -> list[Fit]:
-        """Every fault fitted that does no harm: those of the model to some samples, then those of columns.
+    def fits(self, names: Sequence[str], open_names: Sequence[str]) -> list[Fit]:
+        """Every hypothesis fitted that does no harm; ``names`` are the signals that a column may be taken for.
 
-        Where one of the model explains all columns at once, nothing is sought in the shape of a linkage whose positions
-        are computed by iteration.
+        Where one of them explains all columns at once, nothing is sought in the shape of a linkage whose positions are
+        computed by iteration.
         """
-        model = [*motion_settings(self.simulation.motion, column), *model_faults(self.simulation)]
-        slow = [fault for fault in model if fault.reshapes and self.simulation.mechanism.is_numerical]
-        result = [fit for fault in model if fault not in slow and (fit := self._fit_model_fault(fault))]
-        if not any(
-            self.is_harmless(fit) and len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result
-        ):
-            result += [fit for fault in slow if (fit := self._fit_model_fault(fault))]
-        result += [fit for fault in group_faults(self.evidence) if (fit := self.whole.best(fault))]
-        result = [fit for fit in result if self.is_harmless(fit)]
+        rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
+        rows += of_columns(self.evidence)
         for signal in self.evidence:
-            if signal.name in open_names:
-                fitting = Fitting(self.simulation, [signal.thinned(MOST_FITTED)])
-                of_column = column_faults(fitting.evidence[0], self.simulation, names)
-                result += [
-                    self._beside_other_columns(fit, signal.name) for fault in of_column if (fit := fitting.best(fault))
-                ]
+            rows += of_column(signal, self.simulation, names) if signal.name in open_names else ()
+        slow = [row for row in rows if row.reshapes and self.simulation.mechanism.is_numerical]
+        result = self._harmless(row for row in rows if row not in slow)
+        if not any(len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result):
+            result += self._harmless(slow)
         return result
 
-    def _fit_model_fault(self, fault: Fault) -> Fit | None:
-        """A fault of the model fitted to some samples and measured on all; None if it explains nothing on those."""
-        fit = self.thin.best(fault)
-        if fit is None or not np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))):
-            return None
-        return self.whole.evaluate(fault, fit.numbers, fit.digits)
-
-    def _beside_other_columns(self, fit: Fit, name: str) -> Fit:
-        """A fit of the column ``name`` as a fit of all columns, of which it leaves the others as they are."""
-        here = np.arange(len(self.rms)) == self.places[name]
-        largest = np.array([float(np.nanmax(np.abs(signal.residual), initial=0.0)) for signal in self.evidence])
-        return replace(fit, rms=np.where(here, fit.rms, self.rms), largest=np.where(here, fit.largest, largest))
-
-    def is_harmless(self, fit: Fit) -> bool:
-        """Whether a fit makes no signal worse beyond its rounding."""
-        return bool(np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms)))
+    def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:
+        """Fits that make no signal worse beyond its rounding: made to some samples, measured on all if they help."""
+        made = (fit for row in rows if (fit := self.thin.best(row)))
+        helps = (fit for fit in made if np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))))
+        whole = (self.whole.evaluate(fit.fault, fit.numbers, fit.digits) for fit in helps)
+        return [fit for fit in whole if fit and np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms))]
 
     def explained_signals(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
         """The signals among ``names`` that a fit explains."""
@@ -420,16 +399,16 @@ class _Search:
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
         alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
         best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.log_remainder(fit, names), 1), fit.change))
-        left = max(
-            share * largest for share, largest in zip(self._tolerances(best, places), best.largest[places], strict=True)
-        )
+        shares = self._tolerances(best, places)
+        left = max(share * largest for share, largest in zip(shares, best.largest[places], strict=True))
         fully = bool(np.all(best.largest[places] <= NOTICED))
-        return FaultFinding(names, best, tuple(_rivals_to_report(best, others)), left, fully)
+        cure = corrections(best, names, self.column)
+        return FaultFinding(names, best, tuple(_rivals_to_report(best, others)), left, fully, cure)
 
     def _tolerances(self, fit: Fit, places: Sequence[int]) -> Iterator[float]:
         """The tolerances of some signals, over the peaks that they have with a fault."""
         evidence = [self.evidence[place] for place in places]
-        curves = fit.fault.apply(self.simulation, fit.numbers).predict(evidence)
+        curves = fit.applied(self.simulation).predict(evidence)
         for signal, curve in zip(evidence, curves, strict=True):
             peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, signal.truth))
             yield float(np.max(signal.tolerance)) / (signal.scale * (peak / right if peak and right else 1.0))
@@ -442,23 +421,43 @@ def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
     return (fit for fit in others if fit.rank[0] <= most)
 
 
-def model_faults(simulation: Simulation) -> Iterator[Fault]:
-    """Every fault of a model but those of its motion: settings, then numbers."""
-    yield from model_settings(simulation)
-    yield from misplaced_loads(simulation.linkage)
-    yield from number_faults(simulation.linkage)
-    yield from several_numbers(simulation.linkage)
+def corrections(fit: Fit, signals: Iterable[str], column: CrankColumn | None) -> dict[str, Correction]:
+    """What undoes a cause of the difference in some signals: corrections of columns, by the names of signals.
+
+    Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis.
+    """
+    knobs: dict[str, dict[str, Any]] = {}
+    for target, value in fit.fault.targets(*fit.numbers).items():
+        if not isinstance(target, str):
+            knobs.setdefault(target[0], {})[target[1]] = value
+    crank = knobs.pop(CRANK, {})
+    if fit.fault.kind is FaultKind.FREE or LINKAGE in knobs or (crank and not column and not fit.fault.start):
+        return {}
+    found = {
+        name: _undone(own.get("scale", 1.0), -own.get("offset", 0.0) / own.get("scale", 1.0), own.get("shift", 0.0))
+        for name, own in knobs.items()
+        if own.keys() <= {"scale", "offset", "shift"}
+    }
+    if "shift" in crank:
+        return found | dict.fromkeys(signals if column else ("time",), Correction(time_shift=float(crank["shift"])))
+    pace, zero = crank.get("pace", 1.0), wrap_angle(crank.get("offset", 0.0))
+    if abs(pace) != 1.0:  # of one column, the other unit
+        return found | ({column.name: Correction(factor=abs(pace))} if column else {})
+    if pace < 0.0 or zero:
+        found["phi"] = Correction(int(pace), offset=0.0 if abs(zero) < ZERO_ANGLE else zero)
+    return found | ({"omega": Correction(-1)} if pace < 0.0 else {})
+
+
+def _undone(scale: float, offset: float, shift: float) -> Correction:
+    return Correction(-1 if scale < 0.0 else 1, 1.0 / abs(scale), float(shift), float(offset))
 
 
 def proposals(
     explanation: Explanation, columns: Iterable[str], agreed: Mapping[str, Correction]
 ) -> dict[str, Correction]:
-    """The corrections among the likeliest causes by the names of ``columns``, those agreed to already included."""
-    known, corrections = list(columns), dict[str, Correction]()
-    for finding in explanation.findings:
-        for name, correction in finding.corrections.items():
-            groups = {"*": finding.signals, "rotary": [label for label in known if is_rotary(label)]}
-            for key in groups.get(name, (name,)):
-                if key in known and key not in corrections:
-                    corrections[key] = correction.compose(agreed.get(key, Correction()))
-    return corrections
+    """The corrections of the likeliest causes by the names of ``columns``, those agreed to already included."""
+    known, found = set(columns), dict[str, Correction]()
+    for name, correction in (pair for finding in explanation.findings for pair in finding.corrections.items()):
+        if name in known:
+            found.setdefault(name, correction.compose(agreed.get(name, Correction())))
+    return found

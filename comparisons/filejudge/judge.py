@@ -14,8 +14,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.signals import names, table, unit
-from comparisons.filejudge.column_faults import Evidence
-from comparisons.filejudge.columns import Column, ImportedResults, ImportedSignal
+from comparisons.filejudge.columns import Column, Correction, ImportedResults, ImportedSignal
 from comparisons.filejudge.crank_column import (
     SPREAD,
     ColumnMotion,
@@ -24,9 +23,9 @@ from comparisons.filejudge.crank_column import (
     motion_of_speeds,
     unwrap_angles,
 )
-from comparisons.filejudge.fault import ChangedMotion, Correction, SignalTimes, Simulation, holds_acceleration, is_angle
 from comparisons.filejudge.fault_ranking import Explanation, explain, proposals
-from comparisons.filejudge.setting_faults import CrankColumn
+from comparisons.filejudge.hypotheses import CrankColumn, Evidence
+from comparisons.filejudge.simulation import CRANK, JUMPING, MOTION, SignalTimes, Simulation
 from comparisons.motion.case import Motion
 from comparisons.trials.judging.quantities import Deviation, near_jump, near_jumps
 from comparisons.trials.judging.records import IMPORTED, Error, Verdict
@@ -37,24 +36,29 @@ NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
+STEADY: Final = 1e-6  # of a speed: it is constant
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
 
 
 @dataclass(frozen=True)
 class Samples(SignalTimes):
-    """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``."""
+    """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``.
+
+    Its header states a unit of the SI value ``header``.
+    """
 
     values: Array
     rounding: Array
     time_rounding: Array
     imported: ImportedSignal
+    header: float = 1.0
 
 
 def rounding_floors(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
     """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
-    others = [model.with_motion(motion).predict(samples) for motion in likewise]
+    others = [model.with_values({MOTION: motion}).predict(samples) for motion in likewise]
     early, late = (model.predict([_shift_times(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
     for number, signal in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
@@ -83,10 +87,10 @@ def _shift_times(signal: Samples, sign: float) -> Samples:
 def jump_sizes(model: Simulation, signal: Samples) -> Array:
     """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
     sizes = np.zeros(len(signal.time))
-    if not holds_acceleration(signal.name):
+    if unit(signal.name, model.linkage) not in JUMPING:
         return sizes
     for jump in model.motion.jumps:
-        at_rest = model.with_motion(ChangedMotion(model.motion, order=0))  # as the crank is before the start
+        at_rest = model.with_values({(CRANK, "order"): 0})  # as the crank is before the start
         earlier = model if jump > 0.0 else at_rest
         (after,) = model.predict([replace(signal, time=np.array([jump]))])
         (before,) = earlier.predict([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
@@ -147,8 +151,9 @@ class SignalVerdict:
         own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
         alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
         return Evidence(
-            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown
-        )
+            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown,
+            self.unit, own.header,
+        )  # fmt: skip
 
     @property
     def worst_time(self) -> float:
@@ -247,7 +252,7 @@ def _judge_signal(
         near_zero=near_zero,
         limit=limit,
         error_max=float(error[worst]) / scale,
-        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(counted)))) / scale,
+        error_rms=float(np.sqrt(np.sum(error[counted] ** 2) / max(1, np.sum(counted)))) / scale,
         worst=worst,
         worst_angle=float(model.motion.angle(signal.time[worst])),
         truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
@@ -315,9 +320,8 @@ class ImportedJudgement:
         )
         if finding is None:
             return "", None
-        fault, numbers, correction = finding.likeliest.fault, finding.likeliest.numbers, finding.aligned
-        (wrong,) = fault.apply(self.model, numbers).predict([verdict.samples])
-        right = correction.get(verdict.name, Correction())
+        (wrong,) = finding.likeliest.applied(self.model).predict([verdict.samples])
+        right = finding.aligned.get(verdict.name, Correction())
         values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
         return finding.likeliest.words, np.where(verdict.counted, values, np.nan)
 
@@ -338,7 +342,11 @@ def judge(
     """
     moved, source, crank = _crank_motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
-    every = [_samples_of(signal, moved) for signal in imported.signals if signal is not crank]
+    every = [
+        _samples_of(signal, moved, imported.units.get(signal.name, 1.0))
+        for signal in imported.signals
+        if signal is not crank
+    ]
     _check_speed(model, every, gives_speed=gives_speed)
     signals = [signal for signal in every if len(signal.time) >= FEWEST]
     if not signals:
@@ -348,7 +356,7 @@ def judge(
             "with --map, or export more of them"
         )
     truth = model.predict(signals)
-    signals = [_without_turns(signal, values) for signal, values in zip(signals, truth, strict=True)]
+    signals = [_without_turns(signal, values, linkage) for signal, values in zip(signals, truth, strict=True)]
     judged = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
     column = None
     if crank is not None:
@@ -399,15 +407,27 @@ def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     return time, values, signal.resolution + open_ * np.abs(np.gradient(values, time))
 
 
-def _samples_of(signal: ImportedSignal, motion: Motion) -> Samples:
+def _samples_of(signal: ImportedSignal, motion: Motion, header: float) -> Samples:
     """A signal at its times; over the crank angle those of a constant speed."""
     at, rounding = even_instants(signal.at, signal.at_resolution)
     if signal.axis == "phi":
-        speed = float(motion.speed(0.0))
+        speed = _steady_speed(motion)
         at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
         order = np.argsort(at, kind="stable")
-        return Samples(signal.name, at[order], signal.values[order], signal.resolution[order], rounding[order], signal)
-    return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal)
+        values, half = signal.values[order], signal.resolution[order]
+        return Samples(signal.name, at[order], values, half, rounding[order], signal, header)
+    return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal, header)
+
+
+def _steady_speed(motion: Motion) -> float:
+    """The speed, rad/s, of a motion that a file over the crank angle may have; raises LinkproofError for any other."""
+    speeds = motion.speed(np.linspace(0.0, motion.duration, FINE))
+    if not np.ptp(speeds) <= STEADY * np.max(np.abs(speeds)):
+        raise LinkproofError(
+            f"a file over the crank angle is judged at a constant speed, and '{motion.regime}' changes it: export the "
+            "time, or leave --regime out and say the speed with --speed, in rpm"
+        )
+    return float(speeds[0])
 
 
 def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
@@ -421,9 +441,9 @@ def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: 
         )
 
 
-def _without_turns(signal: Samples, truth: Array) -> Samples:
+def _without_turns(signal: Samples, truth: Array, linkage: Linkage) -> Samples:
     """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
-    if not is_angle(signal.name):
+    if unit(signal.name, linkage) != "rad":
         return signal
     if signal.name.startswith("transmission_angle"):
         return replace(signal, values=np.abs(signal.values - np.pi * np.round(signal.values / np.pi)))

@@ -9,9 +9,8 @@ import pytest
 
 from analytic.description.crank_motion import Segment
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.filejudge.fault import ChangedMotion, Simulation
-from comparisons.filejudge.fault_ranking import model_faults
-from comparisons.filejudge.setting_faults import motion_settings
+from comparisons.filejudge.hypotheses import of_model, of_motion
+from comparisons.filejudge.simulation import ChangedMotion, Simulation
 from comparisons.trials.conformance.misreadings import misread
 from comparisons.trials.conformance.mutants import Mutant, extrapolated, in_world
 from comparisons.trials.conformance.trial import AT_SPEED, PLAIN, EngineTrial, NotTestedError, case, scene_of
@@ -73,8 +72,8 @@ def planted_case(sample, key):
     if name == RELEASED:
         return replace(of, drive=replace(of.drive, torque=float(times) * of.drive.torque))
     right = Simulation(of.mechanism.linkage, of.motion)
-    fault = next(each for each in chain(model_faults(right), motion_settings(of.motion)) if each.name == name)
-    wrong = fault.plant(right, *(float(times or 1) * number + float(plus or 0) for number in fault.start))
+    fault = next(each for each in chain(of_model(right), of_motion(right, None, ())) if each.name == name)
+    wrong = right.with_values(fault.targets(*(float(times or 1) * n + float(plus or 0) for n in fault.start)))
     motion = in_polynomials(wrong.motion) if isinstance(wrong.motion, ChangedMotion) else of.motion
     return replace(of, mechanism=Mechanism(wrong.linkage), motion=motion)
 

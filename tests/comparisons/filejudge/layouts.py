@@ -13,8 +13,8 @@ import numpy as np
 from scipy.io import savemat
 
 from comparisons.filejudge.columns import Column, ImportedResults, ImportedSignal
-from comparisons.filejudge.fault import Simulation
 from comparisons.filejudge.judge import Samples
+from comparisons.filejudge.simulation import Simulation
 
 
 def samples(name, time):

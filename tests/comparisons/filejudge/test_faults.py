@@ -11,11 +11,12 @@ import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
-from comparisons.filejudge.fault import Correction, Simulation
-from comparisons.filejudge.fault_ranking import differs, model_faults
+from comparisons.filejudge.columns import Correction
+from comparisons.filejudge.fault_ranking import differs
+from comparisons.filejudge.hypotheses import of_model, of_motion
 from comparisons.filejudge.judge import judge
 from comparisons.filejudge.reading import read_results
-from comparisons.filejudge.setting_faults import motion_settings
+from comparisons.filejudge.simulation import Simulation
 from comparisons.trials.conformance.trial import case
 from tests.comparisons.filejudge.layouts import exported
 
@@ -42,8 +43,8 @@ NAMED = {
     "g8": ("x of 'A' on 'crank' is -25.78 mm in place of -25.28 mm", 0, {}),
     "r_26": ("x of 'A' on 'crank' is 26 mm in place of 25 mm", 0, {}),
     "de_piston066": ("the mass of 'piston' is 0.66 kg in place of 0.6 kg", 0, {}),
-    "sw_unitlie": ("Mkr is 1000 times the closed form's: a unit taken", 1, {"Mkr": Correction(factor=1e-3)}),
-    "de_nm_lie": ("Mkr is 0.001 times the closed form's: a unit taken", 1, {"Mkr": Correction(factor=1e3)}),
+    "sw_unitlie": ("Mkr is 1000 times the closed form's: N·mm read as N·m", 1, {"Mkr": Correction(factor=1e-3)}),
+    "de_nm_lie": ("Mkr is 0.001 times the closed form's: N·m read as N·mm", 1, {"Mkr": Correction(factor=1e3)}),
     "cw_bothflip": (
         "the motor's axis points the other way", 0, {"phi": Correction(sign=-1), "Mkr": Correction(sign=-1)}
     ),
@@ -104,12 +105,12 @@ def test_another_motion_than_stated_is_the_likeliest_cause(kind):
 def planted(fault, simulation):
     """A simulation with a fault, its numbers a little off or the first usual ones."""
     numbers = [n + PART * size for n, size in zip(fault.start, fault.sizes, strict=False)]
-    return fault.plant(simulation, *(numbers or (fault.usual[0] if fault.usual else ())))
+    return simulation.with_values(fault.targets(*(numbers or (fault.usual[0] if fault.usual else ()))))
 
 
 def misses(linkage, every=1, first=0):
     simulation, missed = Simulation(linkage, MOTION), []
-    faults = [*motion_settings(MOTION), *model_faults(simulation)]
+    faults = [*of_motion(simulation, None, NAMES), *of_model(simulation)]
     for fault in faults[first::every]:
         results = exported(linkage, MOTION, NAMES, TIME[::2], digits=7, model=planted(fault, simulation))
         judgement = judge(linkage, results, MOTION)

@@ -10,8 +10,9 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
-from comparisons.filejudge.fault import Correction, Simulation
+from comparisons.filejudge.columns import Correction
 from comparisons.filejudge.judge import judge
+from comparisons.filejudge.simulation import Simulation
 from comparisons.motion.case import case_of_file_regime
 from comparisons.trials.judging.records import Verdict
 from tests.comparisons.filejudge.layouts import exported, samples, with_link

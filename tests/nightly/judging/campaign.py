@@ -73,7 +73,7 @@ def is_named(fit, plan, model, planted):
     if plan.names:
         return any(named == name or (name.endswith(":") and named.startswith(name)) for name in plan.names)
     try:
-        return is_same(fit.fault.apply(model, fit.numbers).linkage, planted, model.linkage)
+        return is_same(fit.applied(model).linkage, planted, model.linkage)
     except LinkproofError:
         return False
 

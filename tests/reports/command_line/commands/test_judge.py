@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.loading import load
-from comparisons.filejudge.fault import Simulation
+from comparisons.filejudge.simulation import Simulation
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof, refused
 from tests.comparisons.filejudge.layouts import Channel, csv, samples

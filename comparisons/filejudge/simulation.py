@@ -1,0 +1,207 @@
+"""The model of a simulation, of which every number and setting can be another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.changes import changed
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import signal, unit
+from comparisons.motion.case import Motion, Truth
+from comparisons.trials.judging.quantities import near_jumps
+
+Array = NDArray[np.float64]
+# What can have another value: a number of the linkage by its name, ``rod.mass``; or a knob of a column, of the crank or
+# of the linkage, ``("Mkr", "scale")``, ``("crank", "pace")``, ``("linkage", "forces")``.
+Target = str | tuple[str, str]
+Values = Mapping[Target, Any]
+
+CRANK: Final = "crank"
+LINKAGE: Final = "linkage"
+MODES: Final = (LINKAGE, "modes")  # a sign for each dyad
+MOTION: Final = (CRANK, "motion")  # another one
+MOTION_PARTS: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # besides the points of links
+JUMPING: Final = frozenset(("N", "N m", "W", "m/s²", "rad/s²"))  # units of signals that jump with the acceleration
+SAME_INSTANT: Final = 1e-6  # of a step: the same instant
+
+
+@dataclass(frozen=True)
+class SignalTimes:
+    """A signal by its ``name`` at ``time`` (n,), s."""
+
+    name: str
+    time: Array
+
+
+@dataclass(frozen=True)
+class ColumnKnobs:
+    """What a column has: ``scale`` y(t + ``shift``) + ``offset``, where y is the signal ``of``.
+
+    At single instants it may have any values: ``stray``, both (n,).
+    """
+
+    of: str
+    scale: float = 1.0
+    offset: float = 0.0
+    shift: float = 0.0
+    stray: tuple[Array, Array] | None = None
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A linkage under a motion, as the closed form has it; ``modes`` are its assembly modes if others.
+
+    ``columns`` have more than the signals of their names.
+    """
+
+    linkage: Linkage
+    motion: Motion
+    modes: tuple[int, ...] | None = None
+    columns: Mapping[str, ColumnKnobs] = field(default_factory=dict)
+    _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, init=False, compare=False, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The closed form of the linkage, in its modes."""
+        mechanism = Mechanism(self.linkage)
+        if self.modes is not None:
+            mechanism.structure = mechanism.structure.with_signs(self.modes)
+        return mechanism
+
+    def with_values(self, values: Values) -> Simulation:
+        """The simulation with other values of some targets; what they do not concern is not computed again.
+
+        Raises LinkproofError where the linkage cannot be so.
+        """
+        numbers = {target: float(value) for target, value in values.items() if isinstance(target, str)}
+        linkage = with_numbers(self.linkage, numbers) if numbers else self.linkage
+        knobs: dict[str, dict[str, Any]] = {}
+        for target, value in values.items():
+            if not isinstance(target, str):
+                knobs.setdefault(target[0], {})[target[1]] = value
+        parts, crank = knobs.pop(LINKAGE, {}), knobs.pop(CRANK, {})
+        modes = parts.pop("modes", self.modes)
+        motion = crank.pop("motion", self.motion)
+        other = replace(
+            self,
+            linkage=replace(linkage, **parts) if parts else linkage,
+            motion=ChangedMotion(motion, **crank) if crank else motion,
+            modes=modes,
+            columns={**self.columns, **{name: replace(self._knobs(name), **of) for name, of in knobs.items()}},
+        )
+        if modes == self.modes and _motion_parts(other.linkage) == _motion_parts(self.linkage):
+            is_same = other.linkage is self.linkage
+            other.__dict__["mechanism"] = self.mechanism if is_same else self.mechanism.with_loads_of(other.linkage)
+            if is_same and other.motion is self.motion:
+                other.__dict__["_seen"] = self._seen
+        return other
+
+    def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
+        """Values (n,), SI, of each signal at its times, nan where a column has none; those on one clock share work."""
+        truths: dict[bytes, Truth] = {}
+        return [self._column(curve, truths) for curve in curves]
+
+    def concerns(self, name: str, before: Simulation) -> bool:
+        """Whether a column may differ from the one of the simulation ``before`` other values were given."""
+        return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
+
+    def _knobs(self, name: str) -> ColumnKnobs:
+        return self.columns.get(name) or ColumnKnobs(name)
+
+    def _column(self, curve: SignalTimes, truths: dict[bytes, Truth]) -> Array:
+        knobs, time = self._knobs(curve.name), curve.time
+        at = time + knobs.shift if knobs.shift else time
+        clock = at.tobytes()
+        if (knobs.of, clock) not in self._seen:
+            truth = truths.setdefault(clock, Truth(self.mechanism, self.motion, at))
+            self._seen[knobs.of, clock] = signal(truth, knobs.of)
+        values = self._seen[knobs.of, clock]
+        if curve.name not in self.columns:
+            return values
+        values = knobs.scale * values + knobs.offset
+        if knobs.shift:  # outside the run a tool may write anything
+            slack = SAME_INSTANT * float(np.median(np.diff(time)))
+            within = (at >= time[0] - slack) & (at <= time[-1] + slack)
+            if unit(curve.name, self.linkage) in JUMPING:
+                within &= ~near_jumps(at, self.motion)
+            values = np.where(within, values, np.nan)
+        if knobs.stray is not None:
+            values = np.where(np.isin(time, knobs.stray[0]), np.interp(time, *knobs.stray), values)
+        return np.asarray(values)
+
+
+def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
+    """A linkage with other numbers by name, and nothing that goes with them.
+
+    Raises LinkproofError for two points of a link in one place.
+    """
+    other = changed(linkage, lambda name, _, value: values.get(name, value))
+    for name, link in other.links.items():
+        if len({*link.points.values()}) < len({*linkage.links[name].points.values()}):
+            raise LinkproofError(f"points of '{name}': expected different places, got one twice")
+    return other
+
+
+def _motion_parts(linkage: Linkage) -> list[Any]:
+    """The parts of a linkage that decide its motion."""
+    points = {name: link.points for name, link in linkage.links.items()}
+    return [points, *(getattr(linkage, part) for part in MOTION_PARTS)]
+
+
+@dataclass(frozen=True)
+class ChangedMotion:
+    """``pace`` φ(t + ``shift``) + ``offset``; derivatives above ``order`` are left out: 0 of them leave rest."""
+
+    motion: Motion
+    pace: float = 1.0
+    offset: float = 0.0
+    shift: float = 0.0
+    order: int = 2
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        return self.motion.regime
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s."""
+        return self.motion.duration
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return self.motion.peak_speed * abs(self.pace)
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        return tuple(jump - self.shift for jump in self.motion.jumps)
+
+    def _clock(self, time: ArrayLike) -> Array:
+        return np.asarray(np.asarray(time, dtype=float) + self.shift)
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return np.asarray((self.order > 0) * self.pace * self.motion.speed(self._clock(time)))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s²."""
+        return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
+
+
+def is_rotary(name: str) -> bool:
+    """Whether a signal changes its sign where the drawing is looked at from behind."""
+    return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")
