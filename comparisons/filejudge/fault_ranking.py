@@ -184,7 +184,7 @@ class Fitting:
             if key not in seen:
                 seen[key] = self.residuals(fault, numbers) if np.all((low <= numbers) & (numbers <= high)) else None
             parts = seen[key]
-            return parts and np.concatenate([values / np.sqrt(len(values)) for values in parts])
+            return None if parts is None else np.concatenate([values / np.sqrt(len(values)) for values in parts])
 
         def known(step: Array) -> Array:
             values = remains(step)

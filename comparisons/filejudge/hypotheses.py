@@ -298,7 +298,7 @@ def of_motion(simulation: Simulation, column: CrankColumn | None, names: Sequenc
             k = value / column.value
             if not math.isclose(k, 1.0, rel_tol=SAME_UNIT):
                 words = f"the column '{column.header}' is in {unit}{f', not in {column.unit}' if column.unit else ''}"
-                values = {PACE: k, OFFSET: start * (1.0 - k) if column.name == "omega" else 0.0}
+                values: Values = {PACE: k, OFFSET: start * (1.0 - k) if column.name == "omega" else 0.0}
                 yield _certain(f"unit:{column.name}", FaultKind.COLUMN, values, words)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
     yield _certain("direction", setting, {PACE: -1.0, OFFSET: 2.0 * start}, direction)
