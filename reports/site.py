@@ -17,7 +17,7 @@ from comparisons.trials.campaign import results as campaign
 from comparisons.trials.campaign.campaign import sheets as campaign_sheets
 from comparisons.trials.campaign.results import Results
 from comparisons.trials.campaign.saved_linkages import load_cases
-from comparisons.trials.runs.files import claim, write_text
+from comparisons.trials.runs.files import claim, write_file
 from comparisons.trials.runs.run_engine import Lost
 from comparisons.trials.runs.store import has_study
 from comparisons.trials.runs.workers import LocalPool, usual_processes
@@ -168,7 +168,7 @@ def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[st
     gc.disable()
     try:
         if file == SUMMARY and contents.campaign is not None:
-            write_text(contents.path / SUMMARY, markdown(contents.campaign))
+            write_file(contents.path / SUMMARY, markdown(contents.campaign))
             return (SUMMARY,)
         return tuple(html.write(contents.page(file), contents.path, links))
     finally:
@@ -185,4 +185,4 @@ def _replace_file_list(folder: Path, written: set[str]) -> None:
             path.unlink(missing_ok=True)
             with suppress(OSError):  # something else is in there
                 path.parent.rmdir()
-    write_text(record, "\n".join(sorted(written)) + "\n")
+    write_file(record, "\n".join(sorted(written)) + "\n")

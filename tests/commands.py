@@ -13,7 +13,7 @@ from contextlib import chdir, closing, contextmanager, nullcontext, redirect_std
 from pathlib import Path
 from unittest.mock import patch
 
-from comparisons.trials.runs.files import STORE, write_text
+from comparisons.trials.runs.files import STORE, write_file
 from comparisons.trials.runs.workers import LocalPool
 from reports.command_line.main import main
 from reports.document.html import Picture
@@ -38,7 +38,7 @@ def stored_runs(folder):
 def empty_picture(files, figure):
     """The picture of a page with nothing in it, for tests of anything but the drawings, which take most of the time."""
     name = f"figures/{Path(files.page.file).stem}/{figure.name}.svg"
-    write_text(files._file(name), '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>')
+    write_file(files._file(name), '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>')
     return Picture(files.root + name, 9, 9, wide=False)
 
 

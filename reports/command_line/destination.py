@@ -22,7 +22,7 @@ import typer
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.environment import INCIDENTAL, environment
-from comparisons.trials.runs.files import check_folder, check_writable, write_bytes, write_file, write_text
+from comparisons.trials.runs.files import check_folder, check_writable, write_file
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.store import Runs, begin, has_study, to_json, unfinished_command
 from reports.command_line.parameters import option_bag
@@ -93,12 +93,7 @@ class Destination(OutputOptions):
         """
         named = [(file, writers[file.suffix.lower()]) for file in self.save if file.suffix.lower() in writers]
         for file, content in [(file, make(*facts)) for file, make in named]:
-            if callable(content):
-                write_file(file, content)
-            elif isinstance(content, bytes):
-                write_bytes(file, content)
-            else:
-                write_text(file, content)
+            write_file(file, content)
 
     def saves(self, *suffixes: str) -> bool:
         """Whether a file of one of these suffixes is to be saved."""
@@ -147,7 +142,7 @@ class Destination(OutputOptions):
         if self.junit is not None:
             from reports.campaign.summary import junit  # noqa: PLC0415
 
-            write_text(self.junit, junit(runs, changes))
+            write_file(self.junit, junit(runs, changes))
 
     def warn(self, linkages: Iterable[Linkage], *sentences: str) -> None:
         """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from markupsafe import Markup, escape
 
-from comparisons.trials.runs.files import write_bytes, write_text
+from comparisons.trials.runs.files import write_file
 from reports.document.chart import Chart
 from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
@@ -44,7 +44,7 @@ def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
     """
     files = _PageFiles(folder, page)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
-    write_text(folder / page.file, render("page.html", page=page, pages=pages, files=files, policy=policy))
+    write_file(folder / page.file, render("page.html", page=page, pages=pages, files=files, policy=policy))
     return [page.file, *files.names]
 
 
@@ -52,9 +52,9 @@ def write_assets(folder: Path) -> None:
     """Write the files that all pages of a report share: style sheet, scripts, Plotly."""
     assets, scripts = folder / "assets", FOLDER / "scripts"
     files = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
-    write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
-    write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in files if file.name != PLOTLY))
-    write_bytes(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
+    write_file(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
+    write_file(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in files if file.name != PLOTLY))
+    write_file(assets / PLOTLY, (scripts / PLOTLY).read_bytes())
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class _PageFiles:
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"
             code = data if isinstance(data, str) else self.json(data)
-            write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {code});\n")
+            write_file(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {code});\n")
         return self.root + folder
 
     def picture(self, figure: PageFigure) -> Picture:
@@ -104,7 +104,7 @@ class _PageFiles:
         chart = figure.drawing
         drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
-        write_text(self._file(f"{name}.svg"), draw.svg(drawing))
+        write_file(self._file(f"{name}.svg"), draw.svg(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
         return Picture(f"{self.root}{name}.svg", width, height, draw.is_wide(drawing))
 

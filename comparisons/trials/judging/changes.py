@@ -21,7 +21,7 @@ from analytic.description.written import change
 from analytic.errors import LinkproofError, shortened
 from analytic.files import read_file
 from comparisons.trials.judging.records import NAMES, Error, Verdict
-from comparisons.trials.runs.files import write_text
+from comparisons.trials.runs.files import write_file
 
 CLOSED_FORM: Final = "closed form"
 GROWTH: Final = 3.0  # times its recorded value an error may become
@@ -42,7 +42,7 @@ def write_rows(rows: Iterable[Error], file: Path) -> None:
     for row in sorted(rows, key=_place):
         digits = ".9g" if row.engine == CLOSED_FORM else ".3e"
         writer.writerow((*_place(row), row.outcome, "" if row.error_max is None else f"{row.error_max:{digits}}"))
-    write_text(file, target.getvalue())
+    write_file(file, target.getvalue())
 
 
 def read_rows(file: Path) -> list[Error]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import stat
 import weakref
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 from zlib import crc32
@@ -55,7 +55,7 @@ def claim(folder: Path) -> Claim:
             f"another linkproof command is writing to '{folder}': wait until it ends, or choose another folder"
         ) from error
     except OSError as error:
-        raise _write_error(folder, error) from error
+        raise _write_error(folder, error.strerror) from error
     _CLAIMS[place] = result
     return result
 
@@ -74,7 +74,7 @@ def check_folder(folder: Path) -> None:
     except FileNotFoundError:
         return
     except OSError as error:
-        raise _write_error(folder, error) from error
+        raise _write_error(folder, error.strerror) from error
 
 
 def _check_tree(place: Path) -> None:
@@ -89,70 +89,53 @@ def _check_tree(place: Path) -> None:
             raise LinkproofError(f"'{place}' is {what}, which a results folder does not have: remove it first")
 
 
-def write_text(path: Path, text: str) -> None:
-    """Replace a file by this text in one step."""
-    write_file(path, lambda target: target.write_text(text, encoding="utf-8"))
-
-
-def write_bytes(path: Path, data: bytes) -> None:
-    """Replace a file by these bytes in one step."""
-    write_file(path, lambda target: target.write_bytes(data))
-
-
 def check_writable(path: Path) -> None:
     """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
     nearest = next(folder for folder in _final_path(path).parents if os.path.exists(folder))
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
-        raise _no_file_error(path)
+        raise _write_error(path)
 
 
-def write_file(path: Path, write: Callable[[Path], object]) -> None:
-    """Let ``write`` fill a neighbour of the file, then rename it to ``path``; raises LinkproofError if it cannot.
+def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> None:
+    """Fill a neighbour of the file, then rename it to ``path``; raises LinkproofError if it cannot.
 
-    What a killed process has left of the neighbour goes with the next write.
+    A text is written in UTF-8, and a function writes the file that it is given. What a killed process has left of the
+    neighbour goes with the next write.
     """
     place = _final_path(path)
     temporary = place.with_name(f".{crc32(os.fsencode(place.name)):08x}{place.suffix[:16]}")
-    with writing(path):
+    try:
         place.parent.mkdir(parents=True, exist_ok=True)
         temporary.unlink(missing_ok=True)  # a link there is not followed
         try:
-            write(temporary)
+            if callable(content):
+                content(temporary)
+            else:
+                temporary.write_bytes(content if isinstance(content, bytes) else content.encode())
             if place.exists():  # its permissions stay
                 temporary.chmod(stat.S_IMODE(place.stat().st_mode))
             os.replace(temporary, place)
         finally:
             temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn errors of writing to a path into LinkproofError."""
-    try:
-        yield
     except OSError as error:
-        raise _write_error(path, error) from error
+        raise _write_error(path, error.strerror) from error
 
 
 def _final_path(path: Path) -> Path:
     """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
     if "\0" in str(path):
-        raise _no_file_error(path)
+        raise _write_error(path)
     place = Path(os.path.realpath(path))
     try:
         is_file = stat.S_ISREG(path.stat().st_mode)
     except (FileNotFoundError, NotADirectoryError):
         return place
     except OSError as error:  # a link to itself, a name that is too long
-        raise _write_error(path, error) from error
+        raise _write_error(path, error.strerror) from error
     if not is_file or not os.access(path, os.W_OK):  # one that is kept from being written is not replaced
-        raise _no_file_error(path)
+        raise _write_error(path)
     return place
 
 
-def _no_file_error(path: Path) -> LinkproofError:
-    return LinkproofError(f"cannot write '{path}': expected a file in a folder that can be written; give another place")
-
-
-def _write_error(path: Path, error: OSError) -> LinkproofError:
-    return LinkproofError(f"cannot write '{path}': {error.strerror}; give a place that can be written")
+def _write_error(path: Path, why: str | None = "expected a file in a folder that can be written") -> LinkproofError:
+    return LinkproofError(f"cannot write '{path}': {why}; give another place")

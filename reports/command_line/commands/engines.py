@@ -13,7 +13,7 @@ from comparisons.trials.campaign.campaign import cases
 from comparisons.trials.conformance.trial import Finding
 from comparisons.trials.exported_run import exported
 from comparisons.trials.runs.environment import environment
-from comparisons.trials.runs.files import check_writable, write_text
+from comparisons.trials.runs.files import check_writable, write_file
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.plugins import engines as registered
 from engines.contract import Engine, Setting
@@ -165,4 +165,4 @@ def write_script(file: Path, options: CompareOptions, others: tuple[object, ...]
             "one --setting"
         )
     command = f"{command_line('compare', options)} --script {shlex.quote(str(file))}"
-    write_text(file, exported(chosen[0], options.engine[0], settings[0], command))
+    write_file(file, exported(chosen[0], options.engine[0], settings[0], command))

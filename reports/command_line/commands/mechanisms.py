@@ -25,7 +25,7 @@ from comparisons.designer.figures import case_figures
 from comparisons.designer.linkage_check import check_slips
 from comparisons.designer.open_ends import BINDS
 from comparisons.designer.parameters import named_figures, parameters, speed_unit
-from comparisons.trials.runs.files import check_writable, write_text
+from comparisons.trials.runs.files import check_writable, write_file
 from comparisons.trials.runs.store import to_json
 from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
@@ -52,11 +52,11 @@ def new(name: str, destination: Destination) -> None:
     check_writable(path)
     schema = path.with_name(SCHEMA_FILE)
     title = json.dumps(path.stem, ensure_ascii=False)[1:-1]
-    write_text(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
+    write_file(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
     beside = ""
     if _is_ours(schema):
         beside = f" and {'renewed ' if schema.exists() else ''}{schema}, by which editors complete and check it"
-        write_text(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
+        write_file(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
     argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
     destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
 

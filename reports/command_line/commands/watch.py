@@ -22,7 +22,7 @@ from analytic.description import loading
 from analytic.errors import LinkproofError
 from analytic.files import read_file
 from comparisons.designer.building import page_sheet
-from comparisons.trials.runs.files import write_bytes
+from comparisons.trials.runs.files import write_file
 from reports.document import html
 from reports.document.parts import Page, Paragraph
 from reports.document.terminal import show
@@ -79,7 +79,7 @@ class _WatchedFile:
                 raise LinkproofError(f"{self.path.name} has a fault, so nothing was written: correct it in an editor")
             loading.tables(text, self.path.name)
             ends = "\r\n" if b"\r\n" in read_file(self.path, "a linkage file") else "\n"
-            write_bytes(self.path, text.replace("\n", ends).encode())
+            write_file(self.path, text.replace("\n", ends).encode())
 
     def _file_digest(self) -> str:
         with suppress(LinkproofError):

@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import usual_case
 from comparisons.trials.campaign.results import save
 from comparisons.trials.campaign.saved_linkages import RESULTS, save_case
-from comparisons.trials.runs.files import STORE, write_text
+from comparisons.trials.runs.files import STORE, write_file
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress.campaign import KIND as STRESS
 from comparisons.trials.stress.campaign import save as save_stress
@@ -85,10 +85,10 @@ def test_worker_processes_write_the_same(saved, site, tmp_path, monkeypatch):
 def test_stale_files_of_the_report_go_and_no_others(saved, tmp_path):
     folder = tmp_path / "report"
     shutil.copytree(saved, folder)
-    write_text(tmp_path / "precious.txt", "keep")
-    write_text(folder / "assets" / "written.txt", "../precious.txt\nstress.html\nfigures/stress/old.svg\n")
-    write_text(folder / "figures" / "stress" / "old.svg", "stale")
-    write_text(folder / "figures" / "own.svg", "mine")
+    write_file(tmp_path / "precious.txt", "keep")
+    write_file(folder / "assets" / "written.txt", "../precious.txt\nstress.html\nfigures/stress/old.svg\n")
+    write_file(folder / "figures" / "stress" / "old.svg", "stale")
+    write_file(folder / "figures" / "own.svg", "mine")
     (folder / STORE).unlink()
     save_campaign(folder)
     write_site(folder, processes=0)

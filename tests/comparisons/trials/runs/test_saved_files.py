@@ -9,12 +9,12 @@ import sys
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.files import check_writable, write_file, write_text
+from comparisons.trials.runs.files import check_writable, write_file
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
     path = tmp_path / "file.txt"
-    write_text(path, "old")
+    write_file(path, "old")
 
     def fail(target):
         target.write_text("half")
@@ -38,7 +38,7 @@ write_file(pathlib.Path(sys.argv[1]), write)
 
 def test_a_kill_in_the_middle_leaves_the_old_file_and_litter_that_the_next_write_removes(tmp_path):
     path = tmp_path / "picture.svg"
-    write_text(path, "old")
+    write_file(path, "old")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run([sys.executable, "-c", KILLED, str(path)], env=environment, check=False)
     assert done.returncode == -signal.SIGKILL
@@ -47,7 +47,7 @@ def test_a_kill_in_the_middle_leaves_the_old_file_and_litter_that_the_next_write
     (tmp_path.parent / "precious").write_text("mine")
     litter.unlink()
     litter.symlink_to(tmp_path.parent / "precious")
-    write_text(path, "new")
+    write_file(path, "new")
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("picture.svg", "new")]
     assert (tmp_path.parent / "precious").read_text() == "mine"
 
@@ -57,11 +57,11 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     for link, target in (("link", "old"), ("dangling", "new")):
         (tmp_path / link).symlink_to(target)
         check_writable(tmp_path / link)
-        write_text(tmp_path / link, "text")
+        write_file(tmp_path / link, "text")
         assert (tmp_path / link).is_symlink()
         assert (tmp_path / target).read_text() == "text"
     (tmp_path / "loop").symlink_to("loop")
-    for attempt in (check_writable, lambda path: write_text(path, "text")):
+    for attempt in (check_writable, lambda path: write_file(path, "text")):
         with pytest.raises(LinkproofError, match=r"cannot write .*loop"):
             attempt(tmp_path / "loop")
     assert (tmp_path / "loop").is_symlink()
@@ -72,7 +72,7 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
 def test_what_is_no_file_is_refused_and_stays(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     for path in (tmp_path / "pipe.csv", tmp_path):
-        for attempt in (check_writable, lambda path: write_text(path, "text")):
+        for attempt in (check_writable, lambda path: write_file(path, "text")):
             with pytest.raises(LinkproofError, match=r"cannot write .*expected a file"):
                 attempt(path)
     assert stat.S_ISFIFO((tmp_path / "pipe.csv").stat().st_mode)
@@ -83,9 +83,9 @@ def test_what_is_no_file_is_refused_and_stays(tmp_path):
 def test_a_new_file_follows_the_umask_and_an_old_one_keeps_its_permissions(tmp_path):
     before = os.umask(0o027)
     try:
-        write_text(tmp_path / "new", "text")
+        write_file(tmp_path / "new", "text")
     finally:
         os.umask(before)
     (tmp_path / "own").touch(mode=0o600)
-    write_text(tmp_path / "own", "text")
+    write_file(tmp_path / "own", "text")
     assert [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("new", "own")] == [0o640, 0o600]
