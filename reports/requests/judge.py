@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import REGIMES, RPM, crank_motion
+from analytic.description.crank_motion import REGIMES
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.designer.building import STEADY
 from comparisons.filejudge.columns import ImportedResults
 from comparisons.filejudge.judge import ImportedJudgement
 from comparisons.filejudge.judge import judge as judge_results
@@ -16,6 +21,8 @@ from comparisons.filejudge.reading import read_results
 from comparisons.motion.case import Motion
 from reports.requests.motions import check_motion, requested_motion
 from reports.requests.options import JudgeOptions
+
+STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that turns steadily may differ
 
 
 def check_judgement(options: JudgeOptions) -> None:
@@ -43,15 +50,27 @@ def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
 
 
 def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) -> Motion | None:
-    """The motion of the regime; constant speed if all signals are over φ; None if the file's columns give it."""
+    """The motion of the regime; constant speed for a speed alone or signals over φ; None if the file's columns give it.
+
+    Raises LinkproofError for signals over φ under a speed that changes, since they do not say when.
+    """
+    over_angle = [signal.column.header for signal in imported.signals if signal.axis == "phi"]
+    if not (options.regime or options.swings) and (
+        options.speed is not None or len(over_angle) == len(imported.signals)
+    ):
+        options = replace(options, regime=(STEADY,))
     motion = requested_motion(options, Mechanism(linkage))
-    if motion is not None:
-        if options.swings or motion.regime not in REGIMES:  # a crank that was brought to speed goes on turning
-            _check_end(motion, imported)
-        return motion
-    if imported.signals and all(signal.axis == "phi" for signal in imported.signals):
-        return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)
-    return None
+    if motion is None:
+        return None
+    speed = motion.speed(np.linspace(0.0, motion.duration, 101))
+    if over_angle and np.ptp(speed) > STEADY_WITHIN * np.max(np.abs(speed)):
+        raise LinkproofError(
+            f"'{over_angle[0]}' is over the crank angle, which does not say when the crank was there in "
+            f"'{motion.regime}': give --speed alone if it turned steadily, or export the time beside it"
+        )
+    if options.swings or motion.regime not in REGIMES:  # a crank that was brought to speed goes on turning
+        _check_end(motion, imported)
+    return motion
 
 
 def _check_end(motion: Motion, imported: ImportedResults) -> None:

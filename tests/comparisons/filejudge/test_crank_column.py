@@ -8,7 +8,6 @@ import pytest
 from analytic.description.crank_motion import LAWS, crank_motion, swing
 from comparisons.filejudge.crank_column import (
     even_instants,
-    known_fit,
     motion_of_angles,
     motion_of_speeds,
     unwrap_angles,
@@ -43,7 +42,7 @@ def test_a_servo_with_constant_accelerations_has_its_jumps_found():
     angle = np.where(time < 0.25, 40.0 * time**2, 2.5 + 20.0 * (time - 0.25))
     angle = np.where(time < 0.7, angle, 11.5 + 20.0 * (time - 0.7) - 100.0 / 3.0 * (time - 0.7) ** 2)
     found = motion_of_angles(time, np.round(angle, 6), np.full(1001, 5e-7))
-    assert found.jumps == pytest.approx((0.25, 0.7), abs=2e-3)
+    assert found.jumps == pytest.approx((0.0, 0.25, 0.7), abs=2e-3)  # it starts from rest
     away = (np.abs(time - 0.25) > 3e-3) & (np.abs(time - 0.7) > 3e-3)
     np.testing.assert_allclose(found.speed(time)[away], speed[away], atol=1e-4)
     np.testing.assert_allclose(found.acceleration(time)[away], acceleration[away], atol=1e-2)
@@ -102,6 +101,5 @@ def test_a_constant_speed_of_few_digits_is_known_no_better_than_they_say():
 def test_a_run_up_is_known_whichever_way_its_steady_part_is_rounded(rpm, digits):
     motion, time = crank_motion("run-up-quintic", speed=rpm * math.pi / 30.0), np.linspace(0.0, 0.7, 701)
     unit = 10.0 ** (np.floor(np.log10(np.maximum(motion.speed(time), 1e-6))) - digits + 1)
-    found = known_fit(time, unit * np.round(motion.speed(time) / unit), np.maximum(unit, 1e-6) / 2.0, of_speed=True)
-    assert found is not None
-    assert found.column.family == "run-up-quintic"
+    found = motion_of_speeds(time, unit * np.round(motion.speed(time) / unit), np.maximum(unit, 1e-6) / 2.0)
+    assert found.regime == "run-up-quintic"

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion, swing
+from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from comparisons.filejudge.simulation import Simulation
 from tests.analytic.linkages import path_of
@@ -50,6 +50,20 @@ def test_a_sign_is_named_and_passes_once_it_is_accepted(folder):
     done = judge("wrong.csv", *RUN_UP, "--map", "Mkr [N*m]=-Mkr [N*m]")
     assert done.returncode == 0
     assert 'Accepted and applied: --map "Mkr [N*m]=-Mkr [N*m]".' in done.stdout
+
+
+def test_a_speed_alone_is_a_constant_speed(folder):
+    time = np.linspace(0.0, 0.1, 61)
+    motion = crank_motion("constant-speed", speed=600.0 * RPM)
+    (torque,) = Simulation(JUKI, motion).predict([samples("Mkr", time)])
+    steady = [Channel("time", "s", time), Channel("Mkr", "N*m", torque)]
+    over_angle = [Channel("phi", "deg", 3600.0 * time), steady[1]]
+    (folder / "steady.csv").write_text(csv(steady, digits=9))
+    (folder / "angle.csv").write_text(csv(over_angle, digits=9))
+    assert [judge(name, "--speed", "600").returncode for name in ("steady.csv", "angle.csv")] == [0, 0]
+    assert judge("steady.csv", "--speed", "700").returncode == 1
+    sentence = refused("judge", "juki-mf7923d", "angle.csv", *RUN_UP, "--speed", "600")
+    assert "'Mkr [N*m]' is over the crank angle, which does not say when the crank was there in 'run-up'" in sentence
 
 
 def test_json_on_stdout_is_one_object(folder):
