@@ -274,8 +274,9 @@ class LinkageTrace:
 
 
 def is_traceable(mechanism: Mechanism) -> bool:
-    """Whether the linkage is made of dyads whose assembly modes stay: others have no straight list."""
-    return not mechanism.is_numerical and not any(dyad.changes for dyad in mechanism.structure.dyads)
+    """Whether the linkage is made of dyads that keep their assembly modes, and has no friction: else it has no list."""
+    has_list = not (mechanism.is_numerical or mechanism.linkage.friction)
+    return has_list and not any(dyad.changes for dyad in mechanism.structure.dyads)
 
 
 def linkage_trace(
@@ -293,7 +294,9 @@ def linkage_trace(
     takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.
     """
     if not is_traceable(mechanism):
-        raise LinkproofError(f"'{mechanism.linkage.name}': expected groups of two links without change points")
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected groups of two links without change points and friction"
+        )
     trace, varied = OperationList(), frozenset(varied)
     linkage = with_numbers(
         mechanism.linkage, {name: trace.input(name) for name in sorted(varied)} | dict.fromkeys(zero, 0.0)

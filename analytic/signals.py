@@ -36,7 +36,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Linkage, ThreadEye, ThreadGuide, ThreadPath
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import reactions, shaking
+from analytic.dynamics.friction import reactions
+from analytic.dynamics.joint_forces import Reactions, shaking
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import farthest_between
 from analytic.kinematics.frames import Scalar
@@ -82,12 +83,22 @@ class LinkageInMotion(ABC):
     def torque(self) -> Array:
         """Mkr, the torque of the drive on the crank, N m, positive along growing φ; of a linear driver its force, N."""
         inertia = self.inertia if np.any(self.acceleration) else np.zeros(self.sweep.angle.shape)
-        return reduced.balance(self.sweep, inertia, self.speed, self.acceleration)
+        torque = reduced.balance(self.sweep, inertia, self.speed, self.acceleration)
+        return torque + self.friction_torque if self.sweep.linkage.friction else torque
 
     @cached_property
     def joint_forces(self) -> Mapping[str, Array]:
         """Force of every joint by name, (2, *shape), N: one analysis of the linkage gives them all."""
-        return reactions(self.sweep, self.speed, self.acceleration).forces
+        return self._reactions.forces
+
+    @property
+    def friction_torque(self) -> Any:  # noqa: ANN401 - an array, or 0 without friction
+        """The share of the joints' friction in the drive's torque, N m."""
+        return self._reactions.friction
+
+    @cached_property
+    def _reactions(self) -> Reactions:
+        return reactions(self.sweep, self.speed, self.acceleration)
 
     @cached_property
     def shaking(self) -> Array:

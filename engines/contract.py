@@ -142,7 +142,8 @@ class Abilities:
 
     Every engine must support pins, gravity and constant forces; ``loads`` are the types of loads,
     ``varying_loads`` whether they may change with φ, ``load_states`` whether they may depend on the whole state: on the
-    output's travel and direction, the angle of a body, the place of another; ``timed_torque`` whether a
+    output's travel and direction, the angle of a body, the place of another, ``friction`` whether joints may have
+    friction by their own force; ``timed_torque`` whether a
     free crank's torque may change with time, ``massless`` whether a body may have no mass or no inertia,
     ``drivers`` what may drive. The adapter refuses other unsupported scenes
     (``Outcome.UNSUPPORTED``).
@@ -154,6 +155,7 @@ class Abilities:
     loads: frozenset[type]
     varying_loads: bool = True
     load_states: bool = False
+    friction: bool = False
     massless: bool = True
     timed_torque: bool = False
     drivers: frozenset[DriverKind] = frozenset({DriverKind.CRANK})

@@ -6,7 +6,7 @@ frame against the ground, so local anchors turn with it. Counter-clockwise is po
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Annotated
@@ -150,6 +150,18 @@ class Cylinder:
 
 
 @dataclass(frozen=True)
+class CoulombFriction:
+    """Friction of a joint by its own force: M = μ r |F| of a pin of a radius, F = μ |N| along a guide, of radius 0.
+
+    A guide's acts at the anchor of its body.
+    """
+
+    name: str
+    coefficient: Annotated[float, Kind.RATIO]
+    radius: Annotated[float, Kind.LENGTH] = 0.0
+
+
+@dataclass(frozen=True)
 class Travel:
     """The output's travel S: from ``zero``, m, back along a direction of the ground, of a point of a body."""
 
@@ -220,6 +232,7 @@ class Scene:
     turn_springs: tuple[TurnSpring, ...] = ()
     cylinder: Cylinder | None = None
     travel: Travel | None = None  # where a load depends on it
+    friction: tuple[CoulombFriction, ...] = ()
 
     @property
     def driver_kind(self) -> DriverKind:
@@ -321,7 +334,18 @@ def build_scene(
         turn_springs=tuple(TurnSpring(*coil.links, coil.stiffness, coil.angle) for coil in linkage.torsion_springs),
         cylinder=_cylinder(linkage),
         travel=_travel(linkage, zero_of_s),
+        friction=tuple(_friction(linkage)),
     )
+
+
+def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
+    """The friction of every joint by the joint's name."""
+    joints = [(name, pin.point) for pin in linkage.pins for name in pin.joints]
+    joints += [(slider.name, slider.link) for slider in linkage.sliders]
+    joints += [(slot.name, slot.name) for slot in linkage.slots]
+    for name, key in joints:
+        if key in linkage.friction:
+            yield CoulombFriction(name, linkage.friction[key].coefficient, linkage.friction[key].radius)
 
 
 def _travel(linkage: Linkage, zero: float) -> Travel | None:
@@ -355,6 +379,7 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
         and not any(slider.link == slot.guide.host for slot in linkage.slots)
         and not any(slider.link in (torque.link, torque.reaction) for torque in linkage.torques)
         and not any(slider.link in (force.frame, force.reaction) for force in linkage.forces)
+        and slider.point not in linkage.friction
         and not any(slider.link in damper.links for damper in linkage.dampers)
         and not (linkage.cylinder is not None and slider.link in linkage.cylinder.links)
     )

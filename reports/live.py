@@ -321,7 +321,8 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     if mechanism.is_numerical:
         return "one of its groups has no formula and is solved by Newton's method"
     if not is_traceable(mechanism):
-        return "it passes change points, where its formulas branch"
+        branches = "it passes change points, where its formulas branch"
+        return "its joints have friction, which is found by iteration" if mechanism.linkage.friction else branches
     if motion is None:
         return "its crank is released, so that the motion follows from masses and loads"
     if not motion.peak_speed:

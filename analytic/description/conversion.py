@@ -378,6 +378,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         springs=springs(reader),
         dampers=between_links(reader, "dampers"),
         torsion_springs=between_links(reader, "torsion_springs"),
+        friction=_friction(reader),
         output=_output(reader),
         thread=_thread(reader),
         regimes=tuple(regime_of(reader, name) for name in sorted(document.regimes)),
@@ -448,6 +449,22 @@ def _check_driver(reader: Reader) -> None:
             "sketch.angle: expected the length of the cylinder at which the sketch is drawn, in the file's unit, got "
             f"{document.sketch.angle / reader.unit(Kind.COORDINATE).size:g}; give it"
         )
+
+
+def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
+    """Friction by the joint: a pin's point, a sliding link, or a slot."""
+    pins = {pin.point for pin in _pins(reader)}
+    guides = {*(slider.link for slider in _sliders(reader)), *(slot.name for slot in _slots(reader))}
+    result = {}
+    for joint, table in sorted(reader.document.friction.items()):
+        where = f"friction.{joint}"
+        if joint not in pins | guides:
+            raise reader.fail(f"{where}: {UnknownNameError('pin, slider or slot', joint, pins | guides)}")
+        if joint in pins & guides or (table.radius is None) != (joint in guides):
+            wanted = "coefficient alone, of a guide" if joint in guides else "radius and coefficient, of a pin"
+            raise reader.fail(f"{where}: expected {wanted}, got other keys; correct them")
+        result[joint] = lk.JointFriction(table.coefficient, table.radius or 0.0)
+    return result
 
 
 def _cylinder(reader: Reader) -> lk.CylinderDrive | None:

@@ -158,8 +158,8 @@ class Standstill(CrankMotion):
         return ()
 
     def speed(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ω(t), zero."""
-        return np.zeros(np.shape(time))
+        """ω(t), zero, of the sign that the motion has: friction is against it."""
+        return 0.0 * super().speed(time)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
         """ε(t), zero."""

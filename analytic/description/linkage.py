@@ -183,6 +183,14 @@ class TorsionSpring:
 
 
 @dataclass(frozen=True)
+class JointFriction:
+    """Coulomb friction of a pin, about which its bodies turn at a ``radius``, or of a guide, whose radius is 0."""
+
+    coefficient: Annotated[float, Kind.RATIO]
+    radius: Annotated[float, Kind.LENGTH] = 0.0
+
+
+@dataclass(frozen=True)
 class CylinderDrive:
     """A massless driver between two points of two bodies: its length is φ, its force pushes them apart.
 
@@ -285,7 +293,7 @@ class ThreadPath:
 LOADS: Final = ("forces", "torques", "springs", "dampers", "torsion_springs")
 BETWEEN_LINKS: Final[Mapping[str, type]] = {"dampers": RotaryDamper, "torsion_springs": TorsionSpring}
 # The parts with numbers that have names, in the order of the names.
-NAMED_PARTS: Final = ("ground", "links", "sliders", "slots", "gravity", *LOADS, "output", "sketch")
+NAMED_PARTS: Final = ("ground", "links", "sliders", "slots", "gravity", *LOADS, "friction", "output", "sketch")
 
 
 @dataclass(frozen=True)
@@ -324,6 +332,7 @@ class Linkage:
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
     cylinder: CylinderDrive | None = None
+    friction: Mapping[str, JointFriction] = field(default_factory=dict)  # by point, sliding link or slot
     scales_mass: bool = False
 
     @cached_property

@@ -132,6 +132,13 @@ class TorsionSpringTable(TomlTable):
     angle: Annotated[Finite, Kind.ANGLE]
 
 
+class FrictionTable(TomlTable):
+    """Coulomb friction of a joint; a pin has a ``radius`` besides."""
+
+    coefficient: Annotated[NotNegative, Kind.RATIO]
+    radius: Annotated[Positive, Kind.LENGTH] | None = None
+
+
 class CylinderTable(TomlTable):
     """A cylinder between two points as the driver: its length is given, from ``min`` to ``max``.
 
@@ -257,6 +264,7 @@ class Document(TomlTable):
     springs: Tables[SpringTable] = Field(default_factory=list)
     dampers: Tables[DamperTable] = Field(default_factory=list)
     torsion_springs: Tables[TorsionSpringTable] = Field(default_factory=list)
+    friction: dict[str, FrictionTable] = Field(default_factory=dict)
     output: OutputTable | None = None
     sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)

@@ -38,6 +38,7 @@ class Kind(StrEnum):
     STIFFNESS = "stiffness", "N/m", 0, 1, -2
     DAMPING = "damping", "N s/m", 0, 1, -1
     TURN_DAMPING = "turn_damping", "N m s", 2, 1, -1
+    RATIO = "ratio", "", 0, 0, 0
     TIME = "time", "s", 0, 0, 1
     VELOCITY = "velocity", "m/s", 1, 0, -1
     ACCELERATION = "acceleration", "m/s²", 1, 0, -2

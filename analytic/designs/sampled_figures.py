@@ -22,7 +22,7 @@ from analytic.designs.sampled_signals import (
     divided_steps,
     with_neighbours,
 )
-from analytic.kinematics.dead_centres import load_corners
+from analytic.dynamics.reduced import load_corners
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import SAME, averages
 from analytic.numerics.dual import Dual

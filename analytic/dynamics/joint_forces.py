@@ -198,8 +198,8 @@ class LinkBalance:
     those in slots included.
     """
 
-    def __init__(self, loaded: LoadedSweep) -> None:
-        sweep, structure = loaded.sweep, loaded.sweep.structure
+    def __init__(self, sweep: Sweep, loads: Iterable[Load]) -> None:
+        structure = sweep.structure
         self.structure = structure
         self.drive: Scalar = 0.0  # force of a cylinder
         for group in structure.groups:
@@ -209,7 +209,7 @@ class LinkBalance:
         self.needs: dict[str, Wrench] = dict.fromkeys(self.poses, (0.0, 0.0, 0.0))
         self.at_pins: dict[tuple[str, str], Pair] = {}
         self.on_sliders: dict[str, Pair] = {}
-        for load in (*loaded.external_loads(), *loaded.internal_loads()):
+        for load in loads:
             if load.force is not None:
                 self._add_load(load.body, load.force, self.arm(load.body, load.at))
             if load.torque is not None:
@@ -471,22 +471,32 @@ class Reactions:
     """Forces of the joints by name, (2, ...), N, ground frame, and the drive's ``torque``; in the sweep's shape.
 
     ``torque`` (...), N m, is that of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it
-    equals ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work.
+    equals ``analytic.dynamics.reduced.drive_torque``, which comes from virtual work, and the share of ``friction``.
     """
 
     forces: Mapping[str, Array]
     torque: Array
+    friction: Array | float = 0.0
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """Forces of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
+    """Forces of all joints, without friction, for a crank speed ω (rad/s) and acceleration ε (rad/s²).
 
-    Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
-    linkage cannot be put together or stands in a dead position. Beside a change point that the linkage passes forces
-    grow as the reciprocal of the distance, unless nothing loads the group; at the point itself they are nan.
+    Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises as ``reactions_to`` does.
+    """
+    loaded = LoadedSweep(sweep, speed, acceleration)
+    return reactions_to(sweep, (*loaded.external_loads(), *loaded.internal_loads()))
+
+
+def reactions_to(sweep: Sweep, loads: Iterable[Load]) -> Reactions:
+    """Forces of all joints that hold loads on the links.
+
+    Raises AssemblyError where the linkage cannot be put together or stands in a dead position. Beside a change point
+    that the linkage passes forces grow as the reciprocal of the distance, unless nothing loads the group; at the point
+    itself they are nan.
     """
     structure, linkage = sweep.structure, sweep.linkage
-    balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
+    balance = LinkBalance(sweep, loads)
     for group in reversed(structure.groups):
         _enter_group(balance, group)
     torque = _enter_driver(balance)

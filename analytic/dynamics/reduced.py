@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final, NamedTuple, TypedDict
 
 import numpy as np
@@ -20,15 +20,17 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.linkage import Link, LinkTorque, PointForce, Spring, TorsionSpring
+from analytic.dynamics.friction import contacts
 from analytic.dynamics.joint_forces import TINY, Load, applied_loads
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
+from analytic.kinematics.dead_centres import dead_centres, top_of_turn
 from analytic.kinematics.frames import Pair, Scalar, is_zero
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
-from analytic.numerics.refine import extremes, grid, in_turn
+from analytic.numerics.refine import extremes, grid, in_turn, zeros
 from analytic.numerics.roots import root
 
 Array = NDArray[np.float64]
@@ -319,6 +321,11 @@ def equation_of_motion(
 ) -> EquationOfMotion:
     """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides."""
     _check_inertia(mechanism)
+    if mechanism.linkage.friction:
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected joints without friction, by which a released crank would stick "
+            "and slip; leave friction out, or give the crank a motion"
+        )
     if any(law.when for law in mechanism.linkage.laws):
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected loads that the place alone decides, got one with when = ..., and a "
@@ -419,3 +426,56 @@ def _moment_scale(mechanism: Mechanism) -> float:
     """Moment of all links' weights at the largest lever arm in the drawing, N m."""
     linkage = mechanism.linkage
     return float(sum(link.mass for link in linkage.links.values()) * np.hypot(*linkage.gravity) * linkage.extent())
+
+
+# Where loads have corners, and friction jumps.
+
+
+BESIDE: Final = 1e-9  # rad from a jump
+
+
+def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
+    """The values of φ between two others, rad or m, ascending, at which a load has a corner, or sets in.
+
+    Of a joint with friction they are the two sides of each reversal, where the friction jumps.
+    """
+    laws = mechanism.linkage.laws
+    places = [(corner, law.period) for law in laws if law.over == "phi" for corner in law.corners]
+    places += [(corner, mechanism.period) for corner in _corners_of_turn(mechanism)]
+    places += [(place + side, mechanism.period) for place in _reversals(mechanism) for side in (-BESIDE, BESIDE)]
+    corners = [
+        corner + (period * np.arange(np.floor((low - corner) / period), (high - corner) / period) if period else 0.0)
+        for corner, period in places
+    ]
+    every = np.concatenate([[], *map(np.atleast_1d, corners)])
+    return np.unique(every[(every > low) & (every < high)])
+
+
+@once_per_mechanism
+def _corners_of_turn(mechanism: Mechanism) -> list[float]:
+    """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn."""
+    laws, turns = mechanism.linkage.laws, round(mechanism.period / FULL_TURN)
+    corners = {corner for law in laws if law.over == "S" for corner in law.corners}
+    directed = any(law.when for law in laws)
+    if not (corners or directed) or top_of_turn(mechanism) is None:
+        return []
+    places = [centre.angle for centre in dead_centres(mechanism)] if directed else []
+    for corner in sorted(corners):
+        height = mechanism.zero_of_s() - corner
+        places += zeros(lambda phi, height=height: mechanism.sweep(phi).output() - height, turns=turns).tolist()  # type: ignore[misc]
+    return places
+
+
+@once_per_mechanism
+def _reversals(mechanism: Mechanism) -> list[float]:
+    """Crank angles, rad, at which the relative motion in a joint with friction turns back; none without a turn."""
+    if not mechanism.linkage.friction or mechanism.linkage.is_linear or not mechanism.crank_range().is_full_turn:
+        return []
+    turns = round(mechanism.period / FULL_TURN)
+
+    def rate(phi: Array, number: int) -> Array:
+        sweep = mechanism.sweep(phi)
+        return np.broadcast_to([*contacts(sweep)][number].rate, phi.shape)
+
+    count = len([*contacts(mechanism.sweep(0.0))])
+    return [place for k in range(count) for place in zeros(partial(rate, number=k), turns=turns).tolist()]

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
-from analytic.numerics.refine import Array, highest, zeros
+from analytic.numerics.refine import Array, highest
 
 
 @dataclass(frozen=True)
@@ -23,8 +22,8 @@ class DeadCentre:
 
 @once_per_mechanism
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
-    """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
-    angles = zeros(lambda phi: mechanism.sweep(phi).output(1), turns=round(mechanism.period / FULL_TURN))
+    """Every reversal of the output over one turn, by crank angle."""
+    angles = mechanism.output_reversals
     if not len(angles):
         raise _still_output(mechanism)
     coordinates = mechanism.sweep(angles).output()
@@ -73,34 +72,6 @@ def top_of_turn(mechanism: Mechanism) -> float | None:
         return top_dead_centre(mechanism).coordinate
     except AssemblyError:
         return None
-
-
-def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
-    """The values of φ between two others, rad or m, ascending, at which a load has a corner, or sets in."""
-    laws = mechanism.linkage.laws
-    places = [(corner, law.period) for law in laws if law.over == "phi" for corner in law.corners]
-    places += [(corner, mechanism.period) for corner in _corners_of_turn(mechanism)]
-    corners = [
-        corner + (period * np.arange(np.floor((low - corner) / period), (high - corner) / period) if period else 0.0)
-        for corner, period in places
-    ]
-    every = np.concatenate([[], *map(np.atleast_1d, corners)])
-    return np.unique(every[(every > low) & (every < high)])
-
-
-@once_per_mechanism
-def _corners_of_turn(mechanism: Mechanism) -> list[float]:
-    """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn."""
-    laws, turns = mechanism.linkage.laws, round(mechanism.period / FULL_TURN)
-    corners = {corner for law in laws if law.over == "S" for corner in law.corners}
-    directed = any(law.when for law in laws)
-    if not (corners or directed) or top_of_turn(mechanism) is None:
-        return []
-    places = [centre.angle for centre in dead_centres(mechanism)] if directed else []
-    for corner in sorted(corners):
-        height = mechanism.zero_of_s() - corner
-        places += zeros(lambda phi, height=height: mechanism.sweep(phi).output() - height, turns=turns).tolist()  # type: ignore[misc]
-    return places
 
 
 def farthest_between(mechanism: Mechanism, angle: Array) -> float:

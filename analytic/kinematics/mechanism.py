@@ -26,6 +26,7 @@ from analytic.kinematics.group_equations import Motions
 from analytic.kinematics.group_solver import configuration_at_sketch, follow_branch, group_problem
 from analytic.kinematics.structure import AnyGroup, ClosedGroup, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
+from analytic.numerics.refine import zeros
 
 AT_REST = 1e-6  # rad from a change point
 
@@ -83,20 +84,28 @@ class Mechanism:
         places = np.asarray(angle, dtype=float)
         return Sweep(self.linkage, self.structure, places, zero_of_s=self.zero_of_s)
 
+    @cached_property
+    def output_reversals(self) -> Array:
+        """Crank angles, rad, at which the output turns back: roots of its first derivative, not grid points."""
+        return zeros(lambda phi: self.sweep(phi).output(1), turns=round(self.period / FULL_TURN))
+
     def zero_of_s(self) -> float:
         """The output's coordinate at the top dead centre, m, from which loads over S count.
 
         Raises LinkproofError where the crank makes no full turn, which would show it.
         """
-        from analytic.kinematics.dead_centres import top_of_turn  # noqa: PLC0415 - it takes mechanisms itself
+        return self._top_of_output
 
-        top = top_of_turn(self)
-        if top is None:
+    @cached_property
+    def _top_of_output(self) -> float:
+        try:
+            self.check_full_turn()
+            return float(np.max(self.sweep(self.output_reversals).output()))
+        except (AssemblyError, ValueError) as error:
             raise LinkproofError(
                 f"'{self.linkage.name}': a load over S counts from the top dead centre, which shows in a full turn of "
-                "the crank, and the crank makes none; give the load over its angle"
-            )
-        return top
+                "the crank that moves the output, and the crank makes none; give the load over its angle"
+            ) from error
 
     def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
         """A function of the linkage at angles (n,), rad; nan where what it needs is not assembled, or is stuck."""

@@ -17,8 +17,8 @@ from analytic.description.crank_motion import CrankMotion, Standstill
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.written import finite
+from analytic.dynamics.reduced import load_corners
 from analytic.errors import LinkproofError
-from analytic.kinematics.dead_centres import load_corners
 from analytic.kinematics.sweep import transmission_angle
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import Integers, highest_each

@@ -40,6 +40,7 @@ FEWEST: Final = 4  # instants of the grid at that speed that make it more than a
 PEAK_SPEED: Final = "peak speed"
 PEAK_TORQUE: Final = ("peak torque", "peak force")  # of a drive along a line
 BRAKING: Final = "peak braking power"
+FRICTION: Final = "friction"
 MEAN: Final = "signed mean"
 DRIVE: Final[Mapping[str, Measure]] = {
     "peak torque": lambda at: np.abs(at.torque),
@@ -103,12 +104,22 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
             continue
         if what != BRAKING or point[-1] < -least:
             yield from load(what.replace("torque", force), point, places[what])
+    if curves.linkage.friction:
+        (place,) = curves.places({FRICTION: lambda at: np.abs(at.friction_torque)}).values()
+        share, speed = (float(values[0]) for values in _friction_at(curves, place))
+        yield from load(f"peak {FRICTION} {force}", (share, speed, share * speed), place)
     square, *means = curves.means(
         lambda at: np.square(at.torque), lambda at: at.torque, lambda at: at.speed, lambda at: at.torque * at.speed
     )
     yield curves.figure(f"RMS {force}", "Mkr", math.sqrt(square))
     sizes = [NEGLIGIBLE_MEAN * abs(peaks[name].value or 0.0) for name in LOAD]
     yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
+
+
+def _friction_at(curves: Curves, time: float) -> tuple[Array, Array]:
+    """The share of friction in the drive's torque, N m, and the speed, at an instant, (1,) each."""
+    truth = curves.truth_at(np.array([time]))
+    return truth.friction_torque, np.atleast_1d(truth.speed)
 
 
 def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:

@@ -300,6 +300,7 @@ class DirectEngine:
         joints=GUIDES,
         loads=LOADS | {TurnSpring},
         load_states=True,
+        friction=True,
         drivers=frozenset(DriverKind),
     )
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from analytic.description.law import FULL_TURN
 from engines.contract import Array, History, Signal
-from engines.mechanics.joints import Arms, JointEquations, applied_loads
+from engines.mechanics.joints import Arms, JointEquations, applied_loads, joint_friction
 from engines.mechanics.states import Pose, Reals, pose_of
 from engines.scene import Channel
 from engines.stepping.intervals import DivergedError
@@ -83,6 +83,7 @@ class Equations(JointEquations):
 
 # Positions, velocities, accelerations and joint forces at given instants, each instant solved by itself.
 
+MOST_ROUNDS, SETTLED = 400, 1e-15  # of friction; a change of the largest force that is rounding
 FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
 KINETIC = FORCES | {Channel.ACCELERATION}
 
@@ -143,13 +144,31 @@ def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Ch
     acceleration = (bend + lever * second[:, None, None]) * equations.metres
     if not channels & FORCES:
         return Solution(metric.coordinates(), velocity, acceleration)
-    lacking = equations.generalised(equations.mass * acceleration - loads)
-    multipliers = equations.solve(matrix.swapaxes(1, 2), lacking)
+    way = lever * np.where(np.signbit(crank.speed), -1.0, 1.0)[:, None, None]  # at rest the one that would begin
+    multipliers = _joint_multipliers(equations, arms, matrix, way, equations.mass * acceleration - loads)
     scale = equations.driver.scale
     # The row of a free driver takes nothing: rounding, no torque.
     torque = multipliers[:, equations.crank_row] * equations.unit if crank.torque is None else crank.torque
     forces = equations.joint_forces(arms, multipliers) if Channel.JOINT_FORCE in channels else None
     return Solution(metric.coordinates(), velocity, acceleration, torque / scale, forces)
+
+
+def _joint_multipliers(equations: Equations, arms: Arms, matrix: Reals, rate: Reals, needs: Reals) -> Reals:
+    """λ (n, rows), N, of joints that give the bodies what they need, (n, bodies, 3), friction taken in repeatedly.
+
+    Raises UnsolvableError where friction grows without end: the linkage locks.
+    """
+    transposed = matrix.swapaxes(1, 2)
+    multipliers = equations.solve(transposed, equations.generalised(needs))
+    for _ in range(MOST_ROUNDS if equations.scene.friction else 0):
+        rubbed = needs - joint_friction(equations, arms, rate, multipliers)
+        before, multipliers = multipliers, equations.solve(transposed, equations.generalised(rubbed))
+        largest = np.max(np.abs(multipliers))
+        if not np.max(np.abs(multipliers - before)) > SETTLED * largest:
+            return multipliers
+    if equations.scene.friction:
+        raise UnsolvableError("the friction of the joints grows without end, as in a linkage that locks itself")
+    return multipliers
 
 
 def transfer(equations: Equations, matrix: Reals) -> Reals:

@@ -298,6 +298,28 @@ def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: 
         _add_force(loads, other, pose.place[:, body] + arm - pose.place[:, other], -force)
 
 
+def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multipliers: Reals) -> Reals:
+    """What friction is on the bodies, N and N m, (n, bodies, 3), for forces of the joints λ, N; lengths in units."""
+    result = np.zeros_like(rate)
+    forces = equations.joint_forces(arms, multipliers)
+    sizes = np.hypot(forces[..., 0], forces[..., 1])
+    for contact in equations.scene.friction:
+        joint = equations.joints.index(contact.name)
+        body, host = equations.body[joint], equations.host[joint]
+        if joint < equations.pins:
+            turn = contact.coefficient * contact.radius * sizes[:, joint] * np.sign(rate[:, body, 2] - rate[:, host, 2])
+            result[:, body, 2] -= turn
+            result[:, host, 2] += turn
+            continue
+        along, gap = arms.along[:, joint - equations.pins], arms.gap[:, joint]
+        host_arm = arms.host[:, joint] + gap  # to the point of the host where the body's anchor is
+        sliding = point_velocity(arms.body[:, joint], rate[:, body]) - point_velocity(host_arm, rate[:, host])
+        force = (contact.coefficient * sizes[:, joint] * np.sign(dot(along, sliding)))[:, None] * along
+        _add_force(result, body, arms.body[:, joint] * equations.unit, -force)
+        _add_force(result, host, host_arm * equations.unit, force)
+    return result
+
+
 def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
     """S, m, and its rate, (n,) each, by which loads go."""
     assert scene.travel is not None

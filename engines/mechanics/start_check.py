@@ -93,6 +93,8 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
         return f"it takes no {scene.driver_kind} as the driver, only {known}"
     if isinstance(scene.drive, Free) and scene.drive.over_time is not None and not abilities.timed_torque:
         return "it takes no crank torque that changes with time"
+    if scene.friction and not abilities.friction:
+        return f"it takes no friction that follows the force of its joint, as '{scene.friction[0].name}' has"
     for part in (*scene.guided, *scene.loads):
         if type(part) not in abilities.joints | abilities.loads:
             return f"it has no {_type_in_words(part)}, which {_label(part)} asks for"

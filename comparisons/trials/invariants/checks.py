@@ -317,6 +317,8 @@ def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Err
             yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
         elif name in OF_FORCES and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+        elif name in BALANCES | OF_FORCES and motion.scene.friction:
+            yield _undefined(record, "friction by the joints' own forces is no part of the balance")
         elif name in BALANCES and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:

@@ -14,7 +14,7 @@ import numpy as np
 
 SI = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "kg": 1.0, "g": 1e-3, "lb": 0.45359237, "rad": 1.0,
       "deg": np.pi / 180.0, "kg*m^2": 1.0, "kg*mm^2": 1e-6, "g*mm^2": 1e-9, "g*m^2": 1e-3}  # fmt: skip
-GROUND, STEPS, STARTS = "ground", 240, 200  # steps of a turn, starts from which the assembly is sought
+GROUND, STEPS, STARTS, ROUNDS = "ground", 240, 200, 200  # of a turn, of the assembly, of friction
 Array = np.ndarray
 Motion = Callable[[Array], tuple[Array, Array, Array]]  # times (n,), s: angle, speed, acceleration of the crank
 
@@ -216,7 +216,11 @@ class Multibody:
         right[:, -1] += acceleration
         a = np.linalg.solve(slopes, right[..., None])[..., 0]
         loads = self._loads(q, v, a, phi)
-        multipliers = np.linalg.solve(np.swapaxes(slopes, 1, 2), -loads[..., None])[..., 0]
+        transposed = np.swapaxes(slopes, 1, 2)
+        multipliers = np.linalg.solve(transposed, -loads[..., None])[..., 0]
+        for _ in range(ROUNDS if self.file.get("friction") else 0):
+            rubbed = loads + self._friction(q, v, multipliers)
+            multipliers = np.linalg.solve(transposed, -rubbed[..., None])[..., 0]
         found = {"phi": phi, "omega": speed, "Mkr": multipliers[:, -1]}
         for name, row in self.rows.items():
             found |= {f"link:{name}:angle": q[:, row + 2], f"link:{name}:omega": v[:, row + 2]}
@@ -263,6 +267,41 @@ class Multibody:
         high = self._highest(body, local, along)
         place, speed, acceleration = (x @ along for x in self._moving(q, v, a, body, local))
         return {"S": high - place, "v": -speed, "a": -acceleration}
+
+    def _friction(self, q: Array, v: Array, multipliers: Array) -> Array:
+        """What the friction of the joints is along the coordinates, (n, m), for forces in them."""
+        total, row = np.zeros_like(q), 0
+        still = np.zeros((len(q), 3))
+        for name, kind, body, host, data in self.joints:
+            key = name.partition(":")[0] if kind == "pin" else body if kind == "slide" else name
+            rubs, count = self.file["friction"].get(key), {"pin": 2, "slide": 2, "slot": 1}[kind]
+            force, row = multipliers[:, row : row + count], row + count
+            if rubs is None:
+                continue
+            rates = [still if b == GROUND else v[:, self.rows[b] : self.rows[b] + 3] for b in (body, host)]
+            if kind == "pin":
+                moment = rubs["coefficient"] * self.length * rubs["radius"] * np.hypot(*force.T)
+                moment *= np.sign(rates[0][:, 2] - rates[1][:, 2])
+                pushes = [(body, -moment, 0.0 * self.at(q, body, data[0])[0]), (host, moment, np.zeros((len(q), 2)))]
+            else:
+                place = self.at(q, body, data[0])[0]
+                along = self._direction(q, host, data[2])[0]
+                arms = [place - (0.0 if b == GROUND else q[:, self.rows[b] : self.rows[b] + 2]) for b in (body, host)]
+                first, second = (
+                    rate[:, :2] + rate[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+                    for rate, arm in zip(rates, arms, strict=True)
+                )
+                size = rubs["coefficient"] * np.abs(force[:, 0])
+                push = (size * np.sign(np.sum(along * (first - second), axis=1)))[:, None] * along
+                pushes = [
+                    (b, side * (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]), side * push)
+                    for b, arm, side in zip((body, host), arms, (-1.0, 1.0), strict=True)
+                ]
+            for each, moment, push in pushes:
+                if each != GROUND:
+                    total[:, self.rows[each] : self.rows[each] + 2] += push
+                    total[:, self.rows[each] + 2] += moment
+        return total
 
     def _values(self, load: Mapping[str, Any], what: str, q: Array, v: Array, phi: Array) -> list[Array]:
         """Components of a load (n,): a constant, or straight lines over the crank angle or the output's travel."""

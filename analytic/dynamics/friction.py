@@ -1,0 +1,155 @@
+"""Coulomb friction of pins and guides, by the force of the joint in the frictional equilibrium itself.
+
+A pin of radius r resists the relative rotation of its bodies by a moment μ r |F|, F being its force, a guide relative
+sliding by a force μ |N| along it, N being its force across. The forces are linear in the frictions x, so that with one
+force analysis for each joint with friction
+
+    x = μ r |F₀ + A x|
+
+is all that is left at every crank angle; Newton's method solves it from x = 0, and the branch that it has to be on,
+that of small μ, shows in the sign of its determinant. Where it has no such solution the linkage is self-locking: no
+drive moves it. (Friction circles: F. Grashof, Theoretische Maschinenlehre, 1883.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import GROUND, Guide, Vector
+from analytic.dynamics import joint_forces
+from analytic.dynamics.joint_forces import TINY, Load, Reactions
+from analytic.errors import LinkproofError
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Scalar
+from analytic.kinematics.sweep import Sweep
+
+Array = NDArray[np.float64]
+
+MOST_STEPS: Final = 60
+SETTLED: Final = 4e-15  # a step of Newton's method over the largest friction
+
+
+class Contact(NamedTuple):
+    """A joint with friction: μ r, m, of a pin or μ of a guide, the rate of its motion over φ, what resists it.
+
+    ``loads`` are of one unit of friction, N m or N, against a positive rate.
+    """
+
+    joint: str
+    size: Scalar
+    rate: Scalar
+    loads: tuple[Load, Load]
+
+
+def contacts(sweep: Sweep) -> Iterator[Contact]:
+    """The joints with friction."""
+    linkage, friction = sweep.linkage, sweep.linkage.friction
+    for pin in linkage.pins:
+        if pin.point in friction:
+            size = friction[pin.point].coefficient * friction[pin.point].radius
+            for joint, link in pin.joints.items():
+                rate = sweep.rates(link)[2] - sweep.rates(pin.hub)[2]
+                loads = Load(link, (0.0, 0.0), None, -1.0), Load(pin.hub, (0.0, 0.0), None, 1.0)
+                yield Contact(joint, size, rate, loads)
+    for slider in linkage.sliders:
+        if slider.link in friction:
+            local = linkage.links[slider.link].points[slider.point]
+            along = _along(sweep, slider.guide, slider.link, local)
+            yield Contact(slider.name, friction[slider.link].coefficient, *along)
+    for slot in linkage.slots:
+        if slot.name in friction:
+            carriers = [GROUND, *linkage.links]
+            body = next(b for b in carriers if b != slot.guide.host and slot.point in _points(sweep, b))
+            along = _along(sweep, slot.guide, body, linkage.local(slot.point, body))
+            yield Contact(slot.name, friction[slot.name].coefficient, *along)
+
+
+def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
+    return sweep.linkage.ground if body == GROUND else sweep.linkage.links[body].points
+
+
+def _along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
+    """The rate at which a point of a body slides along a guide, over φ, and a unit of what resists."""
+    direction = frames.arm(sweep.poses(guide.host), guide.along)
+    origin = sweep.local_point(guide.host, (0.0, 0.0))
+    arm = frames.minus(sweep.local_point(body, local), origin)
+    turn = sweep.rates(guide.host)[2]
+    carried = frames.plus(sweep.local_point(guide.host, (0.0, 0.0), 1), (-turn * arm[1], turn * arm[0]))
+    rate = frames.dot(direction, frames.minus(sweep.local_point(body, local, 1), carried))
+    reverse = Load(guide.host, (0.0, 0.0), direction, frames.cross(arm, direction))
+    return rate, (Load(body, local, (-direction[0], -direction[1])), reverse)
+
+
+def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
+    """As ``joint_forces.reactions``, with friction; of a linkage at rest that against a motion that would begin.
+
+    A guide's force is that across it. Raises LinkproofError where the linkage is self-locking.
+    """
+    plain = joint_forces.reactions(sweep, speed, acceleration)
+    if not sweep.linkage.friction:
+        return plain
+    direction = np.where(np.signbit(speed), -1.0, 1.0)
+    rubbing = list(contacts(sweep))
+    units = [joint_forces.reactions_to(sweep, _scaled(contact, direction)) for contact in rubbing]
+    names = [contact.joint for contact in rubbing]
+    sizes = np.array([np.broadcast_to(contact.size, sweep.angle.shape) for contact in rubbing])
+    free = np.stack([plain.forces[name] for name in names])
+    slopes = np.stack([[unit.forces[name] for unit in units] for name in names])
+    frictions, is_solved = _equilibrium(sizes, free, slopes)
+    _check(sweep, is_solved)
+    forces = {name: force + sum(x * unit.forces[name] for x, unit in zip(frictions, units, strict=True))
+              for name, force in plain.forces.items()}  # fmt: skip
+    share = np.sum([x * unit.torque for x, unit in zip(frictions, units, strict=True)], axis=0)
+    return Reactions(forces, plain.torque + share, share)
+
+
+def _scaled(contact: Contact, direction: Array) -> list[Load]:
+    """A unit of friction against the motion in a direction of the drive."""
+    sign = np.sign(contact.rate) * direction
+    return [
+        Load(
+            load.body,
+            load.at,
+            None if load.force is None else (sign * load.force[0], sign * load.force[1]),
+            None if load.torque is None else sign * load.torque,
+        )
+        for load in contact.loads
+    ]
+
+
+def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """The frictions (m, ...) of forces ``free`` (m, 2, ...) + ``slopes`` (m, m, 2, ...) x, and where they are found."""
+    frictions, step = np.zeros_like(sizes), np.zeros_like(sizes)
+    unit = np.eye(len(sizes))
+    with np.errstate(all="ignore"):  # of what is found nowhere
+        for _ in range(MOST_STEPS):
+            forces = free + np.einsum("jkc...,k...->jc...", slopes, frictions)
+            magnitudes = np.maximum(np.hypot(forces[:, 0], forces[:, 1]), TINY)
+            along = np.einsum("jc...,jkc...->jk...", forces / magnitudes[:, None], slopes)
+            matrix = unit - np.moveaxis(sizes[:, None] * along, (0, 1), (-2, -1))
+            rest = np.moveaxis(frictions - sizes * magnitudes, 0, -1)
+            usable = np.where(np.isfinite(matrix), matrix, unit)
+            step = np.moveaxis(np.linalg.solve(usable, rest[..., None])[..., 0], -1, 0)
+            frictions = frictions - step
+            largest = np.max(np.abs(frictions), axis=0)
+            is_solved = np.all(np.abs(step) <= SETTLED * largest, axis=0)
+            if np.all(is_solved | ~np.isfinite(largest)):
+                break
+        is_solved &= np.all(frictions >= 0.0, axis=0) & (np.linalg.det(usable) > 0.0)
+    return frictions, is_solved | ~np.all(np.isfinite(free), axis=(0, 1))
+
+
+def _check(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
+    """Raise LinkproofError where friction locks the linkage, or note it in the sweep's faults."""
+    if sweep.faults is not None:
+        sweep.faults |= ~is_solved
+    elif not np.all(is_solved):
+        place = float(np.ravel(sweep.angle)[np.argmin(np.ravel(is_solved))])
+        raise LinkproofError(
+            f"'{sweep.linkage.name}' is self-locking at {sweep.linkage.coordinate(place)}: with the friction of its "
+            "joints no drive moves it there; lower the coefficients or the radii, or improve the transmission angle"
+        )

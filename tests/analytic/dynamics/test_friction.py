@@ -1,0 +1,142 @@
+"""Friction of pins and guides by the forces of the frictional equilibrium itself, and where it locks a linkage."""
+
+import tomllib
+from math import asin, degrees
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import parse
+from analytic.dynamics.friction import reactions
+from analytic.dynamics.reduced import equation_of_motion
+from analytic.errors import DescriptionError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import evaluate
+from comparisons.motion.case import Case
+from engines.contract import Setting
+from engines.mechanics.start_check import ability_obstacle
+from engines.registry import engine
+from engines.scene import Channel
+from tests.analytic.linkages import text_of
+from tests.analytic.textbook import PENDULUM
+from tests.nightly.judging.multibody import Multibody
+from tests.nightly.random_linkages import draw
+
+PHI, SPEED, CLOSE = np.linspace(0.1, 6.3, 91), 7.0, 1e-11
+
+
+def rubbing(number):
+    """A random linkage with friction in every joint, as a file."""
+    text = draw(number).text
+    linkage, random = parse(text, "drawn", "drawn"), np.random.default_rng(number)
+    size = linkage.links["crank"].points["A"][0]
+    radii = size * random.uniform(0.02, 0.1, len(linkage.pins))
+    pins = zip(linkage.pins, radii, strict=True)
+    tables = [f"{pin.point} = {{ radius = {radius}, coefficient = 0.12 }}" for pin, radius in pins]
+    tables += [f"{slider.link} = {{ coefficient = 0.1 }}" for slider in linkage.sliders]
+    tables += [f"'{slot.name}' = {{ coefficient = 0.1 }}" for slot in linkage.slots]
+    return f"friction = {{ {', '.join(tables)} }}\n{text}"
+
+
+def largest_error(number, speed):
+    """The largest deviation of torque and joint forces from the solution in absolute coordinates, over peaks.
+
+    A guide's joint force is that across it, as multipliers of its line are.
+    """
+    text = rubbing(number)
+    motion = PHI, np.full(len(PHI), speed), np.zeros(len(PHI))
+    control = Multibody(tomllib.loads(text)).curves(np.zeros(0), lambda _: motion)
+    names = [name for name in control if name == "Mkr" or name.startswith("joint_force")]
+    found = evaluate(Mechanism(parse(text, "drawn", "drawn")), PHI, names, speed=speed)
+    peak = max(np.max(np.abs(control[name])) for name in names if name != "Mkr")
+    peaks = {name: np.max(np.abs(control[name])) if name == "Mkr" else peak for name in names}
+    return max(np.max(np.abs(found[name] - control[name])) / peaks[name] for name in names)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_forces_and_torque_are_those_of_a_solution_in_absolute_coordinates(number):
+    assert largest_error(number, SPEED) < CLOSE
+    assert largest_error(number, -SPEED) < CLOSE
+
+
+@pytest.mark.nightly
+def test_so_are_those_of_a_hundred_linkages():
+    assert max(largest_error(number, SPEED) for number in range(4, 104)) < CLOSE
+
+
+def test_a_pivot_resists_by_its_radius_and_the_weight_on_it():
+    """Of a crank at rest, 2 kg at 0.5 m: M = 19.62 N · (0.5 m cos φ ± μ r), both values at which it breaks away."""
+    held = Mechanism(parse(f"friction = {{ O = {{ radius = 0.03, coefficient = 0.2 }} }}\n{PENDULUM}", "x", "x"))
+    sweep = held.sweep(PHI)
+    for rest, sign in ((0.0, 1.0), (-0.0, -1.0)):
+        found = reactions(sweep, rest, 0.0)
+        assert found.torque == pytest.approx(19.62 * (0.5 * np.cos(PHI) + sign * 0.2 * 0.03), rel=1e-13)
+        assert found.friction == pytest.approx(np.full(PHI.shape, sign * 19.62 * 0.2 * 0.03), rel=1e-13)
+
+
+LOCKED = """
+title = "locking slider-crank"
+units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+crank = "crank"
+friction = { ram = { coefficient = 1.0 } }
+ground = { O = [0, 0] }
+links.crank.points = { O = [0, 0], A = [50, 0] }
+links.rod.points = { A = [0, 0], D = [100, 0] }
+links.ram = { slides = { point = "D", through = [0, -30], along = [1, 0] } }
+forces = [{ point = "D", link = "ram", force = [100, 0] }]
+sketch = { points = { D = [140, -30] } }
+"""
+
+
+def test_a_self_locking_position_is_named_with_its_angle():
+    """The rod pulls the ram against its load up to tan β = 1/μ, sin β = (30 + 50 sin φ)/100."""
+    locks = degrees(asin((100.0 * np.sqrt(0.5) - 30.0) / 50.0))
+    sample = Mechanism(parse(LOCKED, "locked", "locked"))
+    torque = evaluate(sample, np.radians([locks - 0.01, locks - 0.001]), ["Mkr"], speed=1.0)["Mkr"]
+    assert torque[1] / torque[0] == pytest.approx(10.0, rel=1e-2)  # as 1/(1 − μ tan β)
+    places = np.arange(np.floor(locks), 90.0)
+    with pytest.raises(LinkproofError, match=f"'locked' is self-locking at crank angle {places[1]:g}°"):
+        evaluate(sample, np.radians(places), ["Mkr"], speed=1.0)
+
+
+def test_the_control_finds_the_same_and_other_engines_take_no_such_friction():
+    joints = "D = { radius = 9, coefficient = 0.2 }, ram = { coefficient = 0.1 }"
+    table = f"friction = {{ O = {{ radius = 8, coefficient = 0.1 }}, {joints} }}"
+    motion = crank_motion("run-up-quintic", ramp_time=0.3, hold_time=0.6, start_angle=0.1)
+    case = Case(Mechanism(parse(f"{table}\n{text_of('laden-press')}", "press", "press")), motion)
+    model, control = case.scene(frozenset(Channel)), engine("direct")
+    found = control.run(model, Setting.TUNED).history.torque
+    true = evaluate(case.mechanism, motion.angle(found.time), ["Mkr"], speed=motion.speed(found.time),
+                    acceleration=motion.acceleration(found.time))["Mkr"]  # fmt: skip
+    assert np.max(np.abs(found.values - true)) <= 1e-13 * np.max(np.abs(true))
+    words = "it takes no friction that follows the force of its joint, as 'D' has"
+    assert ability_obstacle(model, engine("mujoco").abilities) == words
+
+
+def test_a_released_crank_with_friction_is_refused():
+    with pytest.raises(LinkproofError, match="expected joints without friction, by which a released crank would stick"):
+        equation_of_motion(
+            Mechanism(
+                parse(LOCKED.replace("links.crank.points", "links.crank.inertia = 1\nlinks.crank.points"), "x", "x")
+            )
+        )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("ram = {", "rum = {", "friction.rum: unknown pin, slider or slot 'rum': did you mean 'ram'?"),
+        (
+            "coefficient = 1.0",
+            "coefficient = -1.0",
+            "friction.ram.coefficient: expected a finite coefficient of",
+        ),
+        ("ram = {", "A = {", "friction.A: expected radius and coefficient, of a pin, got other keys; correct them"),
+        ("= 1.0", "= 1.0, radius = 2", "friction.ram: expected coefficient alone, of a guide, got other keys"),
+    ],
+)
+def test_a_fault_is_told_with_its_cure(old, new, message):
+    with pytest.raises(DescriptionError) as caught:
+        parse(LOCKED.replace(old, new, 1), "locked", "locked.toml")
+    assert message in str(caught.value)
