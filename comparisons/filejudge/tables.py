@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple, NoReturn, TypeVar
 from xml.etree import ElementTree
 
 import numpy as np
@@ -81,13 +81,8 @@ class ResultText:
 def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
     kind, name = path.suffix.lower(), printable(str(path))
-    if kind == ".fmu":
-        raise LinkproofError(
-            f"{name}: expected a file of results, got an FMU, which judge does not run; make its results a CSV with "
-            "'fmpy simulate FILE --output-file out.csv'"
-        )
     if kind == ".mat":
-        every = _matlab_tables(name, _read_isolated(_matlab_arrays, path))
+        every = _matlab_tables(name, *_read_isolated(_matlab_curves, path))
     elif kind in (".xlsx", ".xlsm"):
         sheets = _read_isolated(_workbook_texts, path)
         every = [table for sheet, text in sheets for table in _text_tables(ResultText(f"{name}[{sheet}]", text))]
@@ -202,17 +197,18 @@ def _text_tables(file: ResultText) -> Iterator[ResultTable]:
                 raise file.fail(part.line, f"expected at most {MOST_LINES} lines of text, got more; leave them out")
             continue
         row = part.text.partition("\n")[0]
-        if max(map(row.count, ",;\t ")) >= MOST_COLUMNS:
-            raise file.fail(part.line, f"expected at most {MOST_COLUMNS} columns, got more; export fewer")
+        cells = 1 + max(map(row.count, ",;\t "))  # at most
+        numbers += cells * part.text.count("\n")
+        if cells > MOST_COLUMNS or numbers > MOST_NUMBERS:
+            raise file.fail(
+                part.line, f"expected at most {MOST_COLUMNS} columns and {MOST_NUMBERS} numbers, got more; export fewer"
+            )
         signs = _find_signs(row, part.text)
         first = signs.cells(row)
         header = _Header(part.line, [""] * len(first), [""] * len(first))
         if above or width:
             header = _find_header(file, above, signs, first, part.line)
         above, width = [], len(first)
-        numbers += width * part.text.count("\n")
-        if numbers > MOST_NUMBERS:
-            raise file.fail(part.line, f"expected at most {MOST_NUMBERS} numbers, got more; export a coarser step")
         yield _read_rows(file, part, signs, header)
     if width:
         _refuse_spoilt_rows(file, above, signs, width)
@@ -280,7 +276,7 @@ def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs,
     for number, text, _ in lines:
         cells = signs.cells(text)
         if len(cells) == width and any(map(_is_value, cells)) and not COMMENT.match(text):
-            raise _cell_error(file, number, cells)
+            _check_row(file, number, cells, cells)
 
 
 def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) -> ResultTable:
@@ -299,19 +295,15 @@ def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) ->
     except ValueError:  # of pandas' own, all of them
         is_read = False
     if not is_read:
-        raise _row_error(file, part, signs, header)
+        _refuse_rows(file, part, signs)
     numbers = np.where(np.abs(numbers) < 1.0 / LARGEST_NUMBER, 0.0, numbers)
     rows = text.split("\n")
     sample = [signs.cells(row) for row in rows[:: max(1, len(rows) // SAMPLE)] if row.strip()]
     columns: list[Column] = []
     for place, values in zip(frame.columns, numbers.T, strict=True):
         name, unit = header.names[place], header.units[place]
-        if (
-            columns
-            and columns[0].header
-            and name in ("", columns[0].header)
-            and np.array_equal(values, columns[0].values)
-        ):
+        axis = columns[0] if columns else None
+        if axis and axis.header and name in ("", axis.header) and np.array_equal(values, axis.values):
             continue
         printed = [cells[place] for cells in sample if len(cells) > place]
         where = f"{file.name}:{header.line} (column {place + 1})"
@@ -320,35 +312,33 @@ def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) ->
     return ResultTable(file.name, header.line, is_si, tuple(columns))
 
 
-def _row_error(file: ResultText, part: _Part, signs: _Signs, header: _Header) -> LinkproofError:
-    """The message about the first row with another number of cells, or with a cell that is not a number."""
-    first: list[str] = []
-    for number, row in enumerate(part.text.replace("D", "e").replace("d", "e").split("\n"), start=part.line):
+def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
+    """Raise LinkproofError for the first row of a block that is none."""
+    rows = part.text.replace("D", "e").replace("d", "e").split("\n")
+    first = signs.cells(rows[0])
+    for number, row in enumerate(rows, start=part.line):
         cells = signs.cells(row)
-        first = first or cells
-        if any(cells) and len(cells) != len(first):
-            return file.fail(
-                number,
-                f"expected {len(first)} columns, as in line {part.line}, got {len(cells)}; complete the row, or give "
-                "every table a header of its own",
+        if any(cells):
+            _check_row(file, number, cells, first)
+    raise file.fail(part.line, "expected rows of numbers, got others; export the results again")
+
+
+def _check_row(file: ResultText, line: int, cells: Sequence[str], first: Sequence[str]) -> None:
+    """Raise LinkproofError for a row with another number of cells than the first, or with no finite number in one."""
+    if len(cells) != len(first):
+        raise file.fail(
+            line,
+            f"expected {len(first)} columns, as in the first row of the table, got {len(cells)}; complete the row, or "
+            "give every table a header of its own",
+        )
+    for number, (cell, usual) in enumerate(zip(cells, first, strict=True), start=1):
+        if not _is_number(cell) and (cell or usual):
+            found = f"'{shortened(cell)}'" if cell else "an empty cell"
+            raise file.fail(
+                line,
+                f"expected a finite number in column {number}, got {found}; export that stretch of the run again, "
+                "without signs between thousands, or leave the row or the column out",
             )
-        if any(cells) and not all(
-            _is_number(cell) or cell == usual == "" for cell, usual in zip(cells, first, strict=True)
-        ):
-            return _cell_error(file, number, cells)
-    return file.fail(part.line, "expected rows of numbers, got others; export the results again")
-
-
-def _cell_error(file: ResultText, line: int, cells: Sequence[str]) -> LinkproofError:
-    """The message about the first cell of a row that is not a finite number."""
-    column = next((n for n, cell in enumerate(cells, start=1) if not _is_number(cell)), 1)
-    cell = cells[column - 1]
-    cure = (
-        "write numbers without signs between thousands" if re.fullmatch(r"[\d.,' ]+", cell)
-        else "export that stretch of the run again, or leave the row or the column out"
-    )  # fmt: skip
-    what = f"'{shortened(cell)}'" if cell else "an empty cell"
-    return file.fail(line, f"expected a finite number in column {column}, got {what}; {cure}")
 
 
 def resolution(values: Array, words: Sequence[str]) -> Array:
@@ -406,10 +396,9 @@ def _adams_table(file: ResultText) -> ResultTable:
                 if element.get("type") not in STEPS_WITHOUT_INSTANT:
                     steps.append("\t".join((element.text or "").split()))
                 element.clear()
-    except ElementTree.ParseError as error:
-        raise file.fail(error.position[0], f"expected valid XML of Adams, got {error.msg}; export it again") from error
-    except ValueError as error:
-        raise file.fail(1, f"expected a number for the id of '{entity}', got another; export it again") from error
+    except (ElementTree.ParseError, ValueError) as error:
+        line = getattr(error, "position", (1,))[0]
+        raise file.fail(line, f"expected valid XML of Adams, got another ({error}); export it again") from error
     tables = [*_text_tables(ResultText(f"{file.name}[steps]", "\n".join(steps)))]
     if len(tables) != 1 or len(tables[0].columns) != len(names):
         raise file.fail(1, f"expected {len(names)} numbers in every step, got another count; export the results again")
@@ -459,57 +448,44 @@ def _workbook_texts(path: Path) -> list[tuple[str, str]]:
     ]
 
 
-def _matlab_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """The matrices of numbers and of letters of a MATLAB file by name."""
+def _matlab_curves(path: Path) -> tuple[bool, list[tuple[str, NDArray[Any]]]]:
+    """Whether a MATLAB file is a trajectory of Modelica, and the names and values of its curves.
+
+    OpenModelica and Dymola write matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is constant) and
+    ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the matrix and the
+    row, with a sign. Other curves are vectors and the columns of matrices.
+    """
     from scipy.io import loadmat, whosmat  # noqa: PLC0415 - where one is read
 
     every = {name: math.prod(shape) for name, shape, kind in whosmat(path) if kind in MATLAB_KINDS}
     if sum(every.values()) > MOST_NUMBERS:
         raise ValueError(f"it has more than {MOST_NUMBERS} numbers")
-    data = loadmat(path, variable_names=list(every), chars_as_strings=False)
-    return {name: data[name] for name in every if data[name].ndim == 2}
-
-
-def _matlab_tables(name: str, data: dict[str, NDArray[Any]]) -> list[ResultTable]:
-    """A table of all columns of a length; raises LinkproofError for numbers that are not finite.
-
-    OpenModelica and Dymola write matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is constant) and
-    ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the matrix and the
-    row, with a sign.
-    """
+    read = loadmat(path, variable_names=list(every), chars_as_strings=False)
+    data = {name: read[name] for name in every if read[name].ndim == 2}
+    curves: list[tuple[str, NDArray[Any]]] = []
     is_trajectory = all(key in data for key in TRAJECTORY)
-    try:
-        arrays = [*(_modelica_curves(data) if is_trajectory else _matlab_curves(data))]
-    except (ValueError, IndexError, TypeError) as error:
-        raise LinkproofError(
-            f"{name}: expected a trajectory of Modelica, got a damaged one; export it again"
-        ) from error
+    if is_trajectory:
+        is_transposed = "".join(data["Aclass"][3]).strip("\0 ") == "binTrans"
+        names, info, values = (data[key].T if is_transposed else data[key] for key in TRAJECTORY[1:])
+        for name, (matrix, place, *_) in zip(names, info.astype(int), strict=True):
+            if matrix in (0, 2) and place:
+                curves.append(("".join(name).strip("\0 "), math.copysign(1.0, place) * values[:, abs(place) - 1]))
+    for name, array in () if is_trajectory else data.items():
+        columns = array if array.shape[0] == 1 else array.T
+        if array.dtype.kind in "fiu" and array.size > 1:
+            curves += [(f"{name}({n})" if len(columns) > 1 else name, c) for n, c in enumerate(columns, start=1)]
+    for name, values in curves:
+        if not (np.abs(values.astype(float)) < LARGEST_NUMBER).all():
+            raise ValueError(f"expected finite numbers of '{name}', got others")
+    return is_trajectory, curves
+
+
+def _matlab_tables(name: str, is_trajectory: bool, curves: list[tuple[str, NDArray[Any]]]) -> list[ResultTable]:
+    """A table of all curves of a length, each as sharp as its numbers are."""
     tables: dict[int, list[Column]] = {}
-    for header, array in arrays:
+    for header, array in curves:
         values = array.astype(float)
-        if not (np.abs(values) < LARGEST_NUMBER).all():
-            raise LinkproofError(
-                f"{name}: expected finite numbers of '{printable(header)}', got others; export it again"
-            )
         sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
         column = Column(header, "", values, sharp, f"{name} ({printable(header)})")
         tables.setdefault(len(values), []).append(column)
     return [ResultTable(name, 1, is_trajectory, tuple(columns)) for columns in tables.values()]
-
-
-def _modelica_curves(data: dict[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Names and values of all that varies, the time first."""
-    is_transposed = "".join(data["Aclass"][3]).strip("\0 ") == "binTrans"
-    names, info, values = (data[key].T if is_transposed else data[key] for key in TRAJECTORY[1:])
-    for name, (matrix, place, *_) in zip(names, info.astype(int), strict=True):
-        if matrix in (0, 2) and place:
-            yield "".join(name).strip("\0 "), math.copysign(1.0, place) * values[:, abs(place) - 1]
-
-
-def _matlab_curves(data: dict[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Names and values of vectors and of the columns of matrices."""
-    for name, array in data.items():
-        every = array if array.shape[0] == 1 else array.T
-        if array.dtype.kind in "fiu" and array.size > 1:
-            for number, values in enumerate(every, start=1):
-                yield f"{name}({number})" if len(every) > 1 else name, values

@@ -280,7 +280,7 @@ BAD_FILES = {
     TORQUE + "0,1\n1,1e300\n2,2\n": "run.csv:3: expected a finite number in column 2, got '1e300'",
     TORQUE + "0,abc\n1,2\n2,3\n": "run.csv:2: expected a finite number in column 2, got 'abc'",
     TORQUE + "0,٣\n1,1\n2,2\n": "run.csv:2: expected a finite number in column 2, got '٣'",
-    TORQUE + "0,1\n1,2,3\n": "run.csv:3: expected 2 columns, as in line 2, got 3",
+    TORQUE + "0,1\n1,2,3\n": "run.csv:3: expected 2 columns, as in the first row of the table, got 3",
     TORQUE + "0,0,1,0\n0,1,1,0\n": "with decimal commas columns are parted by semicolons or tabs",
     f"{TORQUE}{ROWS}5,{'1' * 10**6}\n": "run.csv:6: expected a finite number in column 2, got '111",
     f"Time [s],{'Drehmoment' * 500}\n{ROWS}": "'DrehmomentDrehmoment",
@@ -289,7 +289,7 @@ BAD_FILES = {
     "t [s];M [Nm]\n0;1\n1;2\n# a comment\n2;3\n": "run.csv:4: expected a header for each of the 2 columns",
     "t [s];M [Nm];S [mm]\n0;1;2\n1;;3\n": "run.csv:3: expected a finite number in column 2, got an empty cell",
     "t [s],M [Nm]\n0,1\n" * 5001: "run.csv:10001: expected at most 5000 lines of text",
-    "t [s]" + ",M [Nm]" * 20_000 + "\n0" + ",1" * 20_000: "run.csv:2: expected at most 10000 columns",
+    "t [s]" + ",M [Nm]" * 20_000 + "\n0" + ",1" * 20_000: "run.csv:2: expected at most 10000 columns and",
     "t [s],M [Nm],M [Nm]\n0,1,2\n1,2,3\n": "got 'M [Nm]' (run.csv:1 (column 2)) and 'M [Nm] #2'",
     "": "run.csv: expected rows of numbers",
     b"PK\x03\x04rest": "got a binary file; export the results as CSV",
@@ -333,12 +333,10 @@ def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_
     assert signal.at.tolist() == [0.0, 1.0, 2.0, 4.0]
 
 
-def test_folders_missing_files_pipes_and_fmus_are_refused(tmp_path):
+def test_folders_missing_files_and_pipes_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
-    (tmp_path / "run.fmu").touch()
     refused = {
         ".": "which is a folder", "no.csv": "which does not exist", "pipe.csv": "which is a pipe or a device",
-        "run.fmu": "got an FMU, which judge does not run",
     }  # fmt: skip
     for name, expected in refused.items():
         with pytest.raises(LinkproofError, match=expected):
