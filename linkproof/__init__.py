@@ -8,10 +8,25 @@ from __future__ import annotations
 import os.path
 from importlib import import_module
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from importlib.metadata import version
+
+    from analytic.description.linkage import Linkage
+    from analytic.description.loading import load
+    from analytic.errors import LinkproofError
+    from linkproof import engine
+    from reports.api.designer import check, evaluate, judge, mechanisms, new, optimise, results, sweep, tolerance
+    from reports.api.options import Motion, SteadyMotion
+    from reports.python.campaign import Comparison, compare
+    from reports.python.checking import check_engine
+
+    __version__ = version("linkproof")
 
 __all__ = [
-    "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
-    "judge", "load", "optimise", "results", "sweep", "tolerance",
+    "Comparison", "Linkage", "LinkproofError", "Motion", "SteadyMotion", "__version__", "check", "check_engine",
+    "compare", "engine", "evaluate", "judge", "load", "mechanisms", "new", "optimise", "results", "sweep", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
@@ -19,9 +34,19 @@ _MODULES = {
     "analytic.description.loading": ("load",),
     "analytic.errors": ("LinkproofError",),
     "reports.python.campaign": ("Comparison", "compare"),
-    "reports.python.checking": ("check", "check_engine", "judge"),
-    "reports.python.evaluation": ("evaluate", "results"),
-    "reports.python.designs": ("optimise", "sweep", "tolerance"),
+    "reports.python.checking": ("check_engine",),
+    "reports.api.options": ("Motion", "SteadyMotion"),
+    "reports.api.designer": (
+        "check",
+        "evaluate",
+        "judge",
+        "mechanisms",
+        "new",
+        "optimise",
+        "results",
+        "sweep",
+        "tolerance",
+    ),
 }
 
 

@@ -17,7 +17,7 @@ from comparisons.trials.judging.limits import shipped_limits
 from comparisons.trials.judging.quantities import all_quantities
 from engines.contract import Setting
 from engines.registry import own_names
-from reports.requests.options import CompareOptions
+from reports.api.options import CompareOptions
 from tests.engines.closed_form import installed
 
 BASELINE = read_rows(Path(__file__).with_name("baseline.csv"))

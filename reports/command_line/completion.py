@@ -7,12 +7,16 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
+
+import click
 
 from analytic.errors import LinkproofError
 from analytic.files import read_file
 
 if TYPE_CHECKING:
+    from click.shell_completion import ShellComplete
+
     from analytic.description.linkage import Linkage
 
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
@@ -103,7 +107,7 @@ def _linkages() -> Iterator[Linkage]:
 
 
 def _typed_words() -> list[str]:
-    return (os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")).split()[2:]
+    return os.environ.get("COMP_WORDS", "").split()[2:]
 
 
 def _linkage_tables() -> list[dict[str, Any]]:
@@ -114,3 +118,81 @@ def _linkage_tables() -> list[dict[str, Any]]:
             content = read_file(known.get(word, Path(word)), "a linkage file")
             tables.append(tomllib.loads(content.decode("utf-8-sig")))
     return tables
+
+
+# How a shell asks for words, and how it learns to.
+
+VARIABLE: Final = "_{}_COMPLETE"
+# Of a shell the file of completion in the home folder, and the file and the line by which it is read.
+PLACES: Final = {
+    "bash": (".bash_completions/linkproof.sh", ".bashrc", "source ~/.bash_completions/linkproof.sh"),
+    "zsh": (".zfunc/_linkproof", ".zshrc", "fpath+=~/.zfunc; autoload -Uz compinit; compinit"),
+    "fish": (".config/fish/completions/linkproof.fish", "", ""),
+}
+
+
+def is_asked(name: str) -> bool:
+    """Whether a shell asks for words."""
+    return VARIABLE.format(name.upper()) in os.environ
+
+
+def complete(app: click.Group, name: str) -> int:
+    """Offer a shell the words that may follow; the exit code."""
+    variable = VARIABLE.format(name.upper())
+    shell, _, action = os.environ[variable].partition("_")
+    asked = _shell(shell)(app, {}, name, variable)
+    click.echo(asked.source() if action == "source" else asked.complete())
+    return 0
+
+
+def _shell(shell: str) -> type[ShellComplete]:
+    from click.shell_completion import get_completion_class
+
+    kind = get_completion_class(shell)
+    if kind is None:
+        raise LinkproofError(f"expected a shell of {', '.join(PLACES)} in SHELL, got '{shell}': set it to yours")
+    return kind
+
+
+def _script() -> tuple[str, str]:
+    """The shell, and its script of completion."""
+    shell = "powershell" if os.name == "nt" else Path(os.environ.get("SHELL", "")).name
+    return shell, _shell(shell)(click.Group(), {}, "linkproof", VARIABLE.format("LINKPROOF")).source()
+
+
+def _show(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
+    if is_requested:
+        click.echo(_script()[1])
+        context.exit()
+
+
+def _install(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
+    """Write the script where the shell finds it, and the line that reads it, once."""
+    if not is_requested:
+        return
+    shell, script = _script()
+    if shell not in PLACES:
+        raise LinkproofError(f"{shell}: add to its profile what linkproof --show-completion prints")
+    file, start, line = PLACES[shell]
+    place = Path.home() / file
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text(script, encoding="utf-8")
+    settings = Path.home() / start
+    if line and line not in (settings.read_text(encoding="utf-8") if settings.is_file() else ""):
+        with settings.open("a", encoding="utf-8") as opened:
+            opened.write(f"\n{line}\n")
+    click.echo(f"wrote {place}; it takes effect in a new {shell}")
+    context.exit()
+
+
+OPTIONS: Final = tuple(
+    click.Option([flag], is_flag=True, is_eager=True, expose_value=False, callback=callback, help=text)
+    for flag, callback, text in (
+        ("--install-completion", _install, "Install completion for the current shell."),
+        (
+            "--show-completion",
+            _show,
+            "Show completion for the current shell, to copy it or customize the installation.",
+        ),
+    )
+)

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import io
-import os
 import shlex
 import sys
+import webbrowser
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
 from dataclasses import replace
-from functools import partial
-from importlib.util import find_spec
+from importlib import import_module
 from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-import typer
+import click
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
@@ -25,29 +24,67 @@ from comparisons.trials.runs.environment import INCIDENTAL, environment
 from comparisons.trials.runs.files import check_folder, check_writable, write_file
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.store import Runs, begin, has_study, to_json, unfinished_command
+from reports.api.options import Option, OutputOptions, ResultsFiles, command_line, declared_options
 from reports.command_line.parameters import option_bag
 from reports.document.parts import Paragraph
+from reports.document.study import NOTHING, Content, Study, check_saves
 from reports.document.terminal import Printed, Printout, harmless, show, write
-from reports.requests.options import Option, OutputOptions, command_line, declared_options
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from comparisons.trials.judging.changes import Change
     from comparisons.trials.judging.records import Run
 
 
-# What a command writes by the suffix of a file: a text, bytes, or a function that fills the file at a path.
-Content = str | bytes | Callable[[Path], object]
 Writers = Mapping[str, Callable[..., Content]]
-PICTURES: Final = (".svg", ".png", ".pdf")
-# Packages that write the files of a suffix, each in an extra of the suffix's name.
-PACKAGES: Final = {".xlsx": "openpyxl", ".dxf": "ezdxf"}
-NOTHING: Final[Mapping[str, Path]] = MappingProxyType({})
 
 
 class Destination(OutputOptions):
     """Options of output, with the methods that write and print accordingly."""
+
+    def prepare(self, study: str, read: Mapping[str, Path], form: ResultsFiles | None) -> None:
+        """Raise LinkproofError before the work for what cannot be written; ``study`` is the place of its class.
+
+        ``read`` are the files that are read, by what they are.
+        """
+        if form is not None:
+            form.check(self)
+        if self.opens and self.out is None:
+            raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
+        self.check("index.html")
+        if self.save:
+            module, _, name = study.partition(":")
+            kind: type[Study] = getattr(import_module(module), name)
+            check_saves(self.save, kind.suffixes, read)
+
+    def make(self, function: Callable[..., Study], form: ResultsFiles | None) -> int:
+        """Call the function, print and write its study; the exit code."""
+        if "announce" not in inspect.signature(function).parameters:
+            return self.emit(function(), form)
+        with self.progress() as announce:
+            study = function(announce=announce)
+        return self.emit(study, form)
+
+    def emit(self, study: Study, form: ResultsFiles | None = None) -> int:
+        """Print a study and write its files, and say which; the exit code."""
+        study.check_content()
+        self.warn_of(study.warnings)
+        if self.json:
+            write_to_stdout(study.json())
+        elif self.quiet:
+            self.print(*study.brief(), *study.printout().closing)
+        else:
+            self.print_out(study.printout())
+        for file in study.save(*self.save, **(vars(form) if form else {})):
+            self.remark(f"wrote {file}")
+        if self.out is not None:
+            page = study.write(self.out)
+            self.remark(f"wrote {page}")
+            if self.opens:
+                webbrowser.open(page.resolve().as_uri())
+        hint = "" if self.quiet else study.hint(self.save)
+        if hint:
+            self.print(hint)
+        return study.exit_code
 
     def check(self, file: str) -> None:
         """Raise LinkproofError before the work if options exclude each other or a file cannot be written.
@@ -63,28 +100,8 @@ class Destination(OutputOptions):
             check_writable(self.out / file)
 
     def check_saves(self, writers: Writers, read: Mapping[str, Path] = NOTHING) -> None:
-        """Raise LinkproofError before the work for a file of ``save`` that cannot be written.
-
-        ``writers`` has every suffix that the command writes, ``read`` the files that it reads, by what they are.
-        """
-        places: dict[str, Path] = {}
-        for file in self.save:
-            if file.suffix.lower() not in writers:
-                raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(writers)}; rename the file")
-            check_writable(file)
-            place = os.path.realpath(file)
-            if place in places:
-                raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
-            places[place] = file
-            for what, other in read.items():
-                if place == os.path.realpath(other):
-                    raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
-            package = PACKAGES.get(file.suffix.lower())
-            if package is not None and find_spec(package) is None:
-                extra = file.suffix.lower().removeprefix(".")
-                raise LinkproofError(
-                    f"--save {file}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"
-                )
+        """Raise LinkproofError before the work for a file of ``save`` that cannot be written."""
+        check_saves(self.save, tuple(writers), read)
 
     def write_saves(self, writers: Writers, *facts: object) -> None:
         """Write the files of ``save`` whose suffixes have ``writers``, which are called with the ``facts``.
@@ -148,24 +165,16 @@ class Destination(OutputOptions):
         """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""
         from comparisons.designer.linkage_check import warnings  # noqa: PLC0415 - what completes a word needs none
 
-        every = [*filter(None, sentences), *(text for linkage in linkages for text in warnings(linkage))]
-        show(*(Paragraph(f"warning: {text}", colour="yellow") for text in dict.fromkeys(every)), stderr=True)
+        self.warn_of([*filter(None, sentences), *(text for linkage in linkages for text in warnings(linkage))])
+
+    def warn_of(self, sentences: Iterable[str]) -> None:
+        """Print warnings on stderr, be the run quiet or not."""
+        show(*(Paragraph(f"warning: {text}", colour="yellow") for text in dict.fromkeys(sentences)), stderr=True)
 
     def remark(self, text: str) -> None:
         """Print a remark on stderr, unless it is empty or the run quiet."""
         if text and not self.quiet:
             show(text, stderr=True)
-
-
-def picture_writers(figure: Callable[..., Figure]) -> dict[str, Callable[..., Content]]:
-    """The writers of a figure as SVG, PNG and PDF; ``figure`` draws it from the facts that a writer is called with."""
-
-    def write_as(kind: str, *facts: object) -> str | bytes:
-        from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
-
-        return picture(figure(*facts), kind)
-
-    return {suffix: partial(write_as, suffix.removeprefix(".")) for suffix in PICTURES}
 
 
 def write_to_stdout(text: str) -> None:
@@ -254,7 +263,7 @@ def report_interruption(folder: Path | None, command: str) -> Iterator[Callable[
         ) from interrupt
 
 
-def own_study(app: typer.Typer, command: str, folder: Path, bags: tuple[Any, ...]) -> tuple[bool, tuple[Any, ...]]:
+def own_study(app: click.Group, command: str, folder: Path, bags: tuple[Any, ...]) -> tuple[bool, tuple[Any, ...]]:
     """Whether the folder's own study of a command is asked for and finished; the options of what is to be run.
 
     It is asked for unless the ``bags`` have an option that affects the results. Of an unfinished study the options are
@@ -265,8 +274,7 @@ def own_study(app: typer.Typer, command: str, folder: Path, bags: tuple[Any, ...
     words = _unfinished_words(command, folder)
     if not words:
         return has_study(folder, command), bags
-    commands: Any = typer.main.get_command(app)
-    typed = commands.commands[command].make_context(command, words).params
+    typed = app.commands[command].make_context(command, words).params
     return False, tuple(replace(option_bag(type(bag), typed), **_without_effect(bag)) for bag in bags)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from reports.requests import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
+from reports.api import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 
 
 def main() -> None:
@@ -25,19 +25,17 @@ def _run_app() -> None:
     _open_closed_streams()
     from analytic.errors import LinkproofError
     from reports.command_line.app import app
-    from reports.command_line.parameters import InterruptedRunError
+    from reports.command_line.parameters import run
     from reports.document.numbers import accept_any_text
 
     accept_any_text()
     try:
         try:
-            app(prog_name="linkproof")
+            code = run(app, "linkproof", sys.argv[1:])
         finally:
             sys.stdout.flush()
     except LinkproofError as error:
         _end_with_sentence(str(error), BAD_INPUT)
-    except InterruptedRunError as interrupt:
-        raise KeyboardInterrupt(str(interrupt)) from interrupt
     except BrokenPipeError:
         _discard(sys.stdout.fileno())
         sys.exit(0)
@@ -45,6 +43,8 @@ def _run_app() -> None:
         _end_with_sentence("expected more memory, got none that is free; give less at once, or allow more", FAILED)
     except Exception as error:
         _end_badly(error)
+    else:
+        sys.exit(code)
 
 
 def _end_badly(error: Exception) -> None:

@@ -1,73 +1,84 @@
-"""Commands of typer from functions whose arguments are declared options, single or in dataclasses."""
+"""The command line, derived from signatures: an annotated parameter of a function is an option or an argument."""
 
 from __future__ import annotations
 
 import inspect
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import is_dataclass, replace
-from functools import wraps
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import is_dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
-import typer
-from typer.core import TyperCommand, TyperGroup
+import click
 
 from analytic.errors import LinkproofError
+from reports.api.options import (
+    Argument,
+    DeclaredOption,
+    OutputOptions,
+    declared_options,
+    member_type,
+    option_groups,
+    option_value,
+)
 from reports.command_line import completion, gone
-from reports.requests.options import Argument, DeclaredOption, Option, declared_options, member_type
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
-REQUIRED = inspect.Parameter.empty
 Bag = TypeVar("Bag")
 NO_TEXTS: Mapping[str, str] = MappingProxyType({})
+SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
-class InterruptedRunError(Exception):
-    """Ctrl-C, which typer would turn into a silent exit; the message names the remaining runs."""
+class CommandGroup(click.Group):
+    """The commands in their own order, with a glossary of symbols below their help."""
 
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of the commands in the order in which they were added."""
+        return list(self.commands)
 
-class CommandGroup(TyperGroup):
-    """The commands, with a glossary of symbols below their help; Ctrl-C raises ``InterruptedRunError``."""
-
-    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]  # typer's own click, or click's
-        """Run a command; typer would end silently at Ctrl-C."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt as interrupt:
-            raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
-
-    def resolve_command(self, ctx: typer.Context, args: list[str]) -> Any:  # type: ignore[override]  # noqa: ANN401
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
         """The command of the first word; raises LinkproofError for one that is gone."""
         if args[0] not in self.commands and not ctx.resilient_parsing and args[0] in gone.COMMANDS:
             raise LinkproofError(gone.answer_to_command(args[0]))
         return super().resolve_command(ctx, args)
 
-    def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
-        """The help of typer and the glossary."""
+    def get_help(self, ctx: click.Context) -> str:
+        """The help of click and the glossary."""
         return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
 
 
-class LinkproofCommand(TyperCommand):
-    """A command that answers an option that is gone with what to do instead."""
+class LinkproofCommand(click.Command):
+    """A command whose help has sections, and that answers an option that is gone with what to do instead."""
 
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+    sections: Mapping[str, str] = NO_TEXTS  # titles by the names of parameters
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The options, section by section."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None and isinstance(parameter, click.Option):
+                groups.setdefault(self.sections.get(parameter.name or "", "Options"), []).append(record)
+        for title, records in groups.items():
+            with formatter.section(title):
+                formatter.write_dl(records)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the words; raises LinkproofError for an option that is gone."""
         answer = "" if ctx.resilient_parsing else gone.answer_to_json_file(args)
         try:
             if not answer:
                 return super().parse_args(ctx, args)
-        except Exception as error:
-            option = getattr(error, "option_name", None)  # of typer's own NoSuchOption, or click's
-            answer = gone.answer_to_option(self.name or "", option) if option else ""
+        except click.NoSuchOption as error:
+            answer = gone.answer_to_option(self.name or "", error.option_name)
             if not answer:
                 raise
         raise LinkproofError(answer)
 
 
 def command(
-    app: typer.Typer,
+    app: click.Group,
     name: str | None = None,
     *,
     summary: str,
@@ -82,95 +93,148 @@ def command(
 
     def add_command(function: Callable[..., int | None]) -> Callable[..., int | None]:
         hints = get_type_hints(function, include_extras=True)
-        option_classes: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
-        parameters: list[inspect.Parameter] = []
-        for parameter in inspect.signature(function).parameters.values():
-            kind = hints[parameter.name]
-            if parameter.name in option_classes:
-                chosen = [option for option in declared_options(kind) if option.field.name not in without]
-                parameters += [_option_parameter(option, texts) for option in chosen]
-            elif get_origin(kind) is Annotated:
-                value, info = get_args(kind)
-                parameters.append(_typer_parameter(parameter.name, value, info, parameter.default))
+        bags: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
+        options = [option for option in _declared(function, hints) if option.field.name not in without]
 
-        @wraps(function)
-        def called(**given: Any) -> None:  # noqa: ANN401 - of all options
-            bags = {each: option_bag(kind, given) for each, kind in option_classes.items()}
-            plain = {name: value for name, value in given.items() if name in hints and name not in bags}
-            raise typer.Exit(function(**plain, **bags) or 0)
+        def called(**words: Any) -> int:  # noqa: ANN401 - of all options
+            plain = {
+                o.field.name: _value(o, words[o.field.name]) for o in options if o.field.name in {*hints} - {*bags}
+            }
+            return function(**plain, **{each: option_bag(kind, words) for each, kind in bags.items()}) or 0
 
-        called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        called.__annotations__ = {number.name: number.annotation for number in parameters}
-        del called.__wrapped__  # its signature would replace this one
-        app.command(name, cls=LinkproofCommand, short_help=summary)(called)
+        app.add_command(
+            LinkproofCommand(
+                name or function.__name__,
+                params=[_parameter(option, texts.get(option.field.name, "")) for option in options],
+                callback=called,
+                help=inspect.getdoc(function),
+                short_help=summary,
+                context_settings=SETTINGS,
+            )
+        )
         return function
 
     return add_command
 
 
-def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
-    """A dataclass of options from the values that typer passes, by name."""
-    options = {option.field.name: option for option in declared_options(kind)}
-    return kind(**{name: _field_value(option, given[name]) for name, option in options.items() if name in given})
-
-
-def _option_parameter(option: DeclaredOption, texts: Mapping[str, str]) -> inspect.Parameter:
-    """The parameter of a declared field."""
-    info = option.info
-    default = REQUIRED if isinstance(info, Argument) and info.is_required else option.field.default
-    if option.field.name in texts and isinstance(info, Option):
-        info = replace(info, help=texts[option.field.name])
-    return _typer_parameter(option.field.name, option.kind, info, default)
-
-
-def _typer_parameter(
+def study_command(
+    app: click.Group,
     name: str,
-    kind: Any,  # noqa: ANN401 - a type
-    info: Option | Argument,
-    default: Any,  # noqa: ANN401 - of any option
-) -> inspect.Parameter:
-    """A parameter in the form of typer: a tuple of words becomes a list; a flag for a field that is True sets False."""
-    is_flag, member = kind is bool, member_type(kind)
-    if member is float or kind is Any:
-        kind = str | None
-    elif member is not None:
-        kind = list[member] if default is REQUIRED else list[member] | None  # type: ignore[valid-type]
-        default = None if default == () else default
-    elif is_flag:
-        default = False
-    names = getattr(completion, info.names) if info.names else None
+    function: Callable[..., Any],
+    *,
+    summary: str,
+    offers: Mapping[str, str],
+    study: str = "",
+    form: type | None = None,
+) -> None:
+    """Add a function that returns a study to the commands: its options, then those of output that it ``offers``.
+
+    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name; the
+    fields of ``form`` are options of what is saved.
+    """
+    own, groups = declared_options(function), option_groups(function)
+    titled = {kind.__name__.removeprefix("Steady"): declared_options(kind) for kind in groups.values()}
+    bags = [option for options in titled.values() for option in options]
+    files = [option for option in declared_options(OutputOptions) if option.field.name in offers]
+    files = [*(declared_options(form) if form else ()), *files]
+    titled["Output"] = (*files,)
+    sections = {option.field.name: title for title, options in titled.items() for option in options}
+    every = [*own, *bags, *files]
+
+    def called(**words: Any) -> int:  # noqa: ANN401 - of all options
+        from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
+
+        out, choice = option_bag(Destination, words), None if form is None else option_bag(form, words)
+        given = {option.field.name: _value(option, words[option.field.name]) for option in own}
+        out.prepare(study, _read(own, given), choice)
+        given |= {each: option_bag(kind, words) for each, kind in groups.items()}
+        return out.make(partial(function, **given), choice)
+
+    made = LinkproofCommand(
+        name,
+        params=[_parameter(option, offers.get(option.field.name, "")) for option in every],
+        callback=called,
+        help=(inspect.getdoc(function) or "").partition("\n\nIn Python")[0],
+        short_help=summary,
+        context_settings=SETTINGS,
+    )
+    made.sections = sections | {"help": "Output" if files else "Options"}
+    app.add_command(made)
+
+
+def _read(options: Iterable[DeclaredOption], given: Mapping[str, Any]) -> dict[str, Path]:
+    """The files that are read, by what they are."""
+    found = {}
+    for option in options:
+        value = given[option.field.name]
+        for each in value if isinstance(value, tuple) else () if value is None else (value,):
+            if option.info.reads:
+                found[option.info.reads.format(each)] = Path(each)
+    return found
+
+
+def _declared(function: Callable[..., Any], hints: Mapping[str, Any]) -> Iterator[DeclaredOption]:
+    """The options and arguments of a function, those of its dataclasses among them."""
+    for parameter in inspect.signature(function).parameters.values():
+        kind = hints[parameter.name]
+        if is_dataclass(kind):
+            yield from declared_options(kind)
+        elif get_origin(kind) is Annotated:
+            yield DeclaredOption(parameter, *get_args(kind))
+
+
+def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
+    """A dataclass of options from the values that click passes, by name."""
+    options = {option.field.name: option for option in declared_options(kind)}
+    return kind(**{name: _value(option, given[name]) for name, option in options.items() if name in given})
+
+
+def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
+    """The option or argument of click; ``text`` replaces its help."""
+    name, info, kind, default = option.field.name, option.info, option.kind, option.field.default
+    several, types = member_type(kind), (kind, *get_args(kind))
+    value: Any = float if float in types else int if int in types else str
+    if Path in types or several is Path:
+        value = click.Path(path_type=Path)
+    known = getattr(completion, info.names) if info.names else None
     if isinstance(info, Argument):
-        shown: Any = typer.Argument(metavar=info.metavar, autocompletion=names, hidden=True, readable=False)
-    else:
-        flags = info.flags or (f"--{name.replace('_', '-')}",)
-        metavar = None if is_flag else info.metavar
-        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names, readable=False)
-    way = inspect.Parameter.KEYWORD_ONLY
-    return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
+        required = info.is_required or default is inspect.Parameter.empty
+        usage = (info.metavar if required else f"[{info.metavar}]") + ("..." if several else "")
+        return click.Argument(
+            [name], type=value, nargs=-1 if several else 1, required=required, metavar=usage,
+            shell_complete=_completer(known),
+        )  # fmt: skip
+    flags = info.flags or (f"--{name.replace('_', '-')}",)
+    if kind is bool:
+        return click.Option([name, *flags], is_flag=True, help=text or info.help)
+    is_multiple = several is not None and several is not float
+    return click.Option(
+        [name, *flags], type=value, multiple=is_multiple, metavar=info.metavar, help=text or info.help,
+        default=None if is_multiple else default, show_default=default is not None and not is_multiple,
+        shell_complete=_completer(known),
+    )  # fmt: skip
 
 
-def _field_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """Convert the value that typer passes into that of the option's field."""
-    member = member_type(option.kind)
-    if member is float:
-        return None if given is None else _parse_numbers(option.name, given)
-    if member is not None:
-        return tuple(given or ())
+def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[str]] | None:
+    return None if known is None else lambda _context, _parameter, incomplete: known(incomplete)
+
+
+def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
+    """The value that click passes as that of the option: a flag switches off what is on."""
+    if member_type(option.kind) is float and isinstance(given, str):
+        return option_value(option, given)
     return not given if option.field.default is True else given
 
 
-def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
-    """Parse numbers with commas between them; raises LinkproofError for what is no finite number."""
-    numbers = []
-    for word in text.split(","):
-        try:
-            number = float(word)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise LinkproofError(
-                f"--{option}: expected finite numbers with commas between them, such as 0,30,60, got "
-                f"'{word.strip()}'; correct it"
-            )
-        numbers.append(number)
-    return tuple(numbers)
+def run(app: click.Group, name: str, words: Sequence[str]) -> int:
+    """Run the command of these words, or offer words to a shell; the exit code. Ctrl-C is a KeyboardInterrupt."""
+    if completion.is_asked(name):
+        return completion.complete(app, name)
+    try:
+        with app.make_context(name, list(words)) as context:
+            return int(app.invoke(context) or 0)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code

@@ -131,6 +131,11 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
 
 
 def json_text(sheet: Sheet) -> str:
+    """The document of a sheet in one line."""
+    return json.dumps(document(sheet), ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def document(sheet: Sheet) -> dict[str, Any]:
     """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
 
     ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time,
@@ -138,7 +143,7 @@ def json_text(sheet: Sheet) -> str:
     ``figures`` has the tables of ``comparisons.designer.figures``, ``required``, where
     the file states it, the feed required of a thread beside the actual one. What is not finite is null.
     """
-    document: dict[str, Any] = {
+    table: dict[str, Any] = {
         "conditions": sheet.conditions,
         "axis": sheet.axis,
         "units": sheet.units,
@@ -151,5 +156,5 @@ def json_text(sheet: Sheet) -> str:
         "warnings": warning_texts(sheet),
     }
     if sheet.required:
-        document["required"] = {name: plain(values) for name, values in sheet.required.items()}
-    return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"
+        table["required"] = {name: plain(values) for name, values in sheet.required.items()}
+    return table

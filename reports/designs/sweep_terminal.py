@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from comparisons.designer.sweep import SweepRequest, SweepStudy
 from reports.document.numbers import figure, grouped, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
+
+if TYPE_CHECKING:
+    import xarray
 
 LEAST: Final = "least"
 ROWS: Final = 10_000  # of a CSV file, made into text at once
@@ -124,9 +127,8 @@ def write_csv(study: SweepStudy, path: Path) -> None:
             stream.write(row * len(rows) % tuple(rows.ravel().tolist()))
 
 
-def netcdf(study: SweepStudy, command: str) -> bytes:
-    """The dataset, with the command that repeats the sweep, as a netCDF file; HDF5 writes only files with a name."""
-    dataset = study.dataset.assign_attrs(command=command)
+def netcdf(dataset: xarray.Dataset) -> bytes:
+    """The dataset as a netCDF file; HDF5 writes only files with a name."""
     names = {name: str(name).replace("/", SLASH) for name in dataset.variables if "/" in str(name)}
     with TemporaryDirectory() as folder:
         file = Path(folder) / "sweep.nc"

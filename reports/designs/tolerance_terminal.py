@@ -5,17 +5,20 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from analytic.description.written import csv_text, finite, plain
 from analytic.errors import printable
-from comparisons.designer.tolerances import EXACT, SEED, ToleranceStudy
+from comparisons.designer.tolerances import EXACT, QUANTILES, SEED, ToleranceStudy
 from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
+
+if TYPE_CHECKING:
+    import xarray
 
 HEAD: Final = ("parameter", "±", "", "derivative", "", "moves it by ±", "share of variance")
 NOTE: Final = "± of a normal distribution are three standard deviations, of a uniform one its limits."
@@ -205,3 +208,49 @@ def _panel(study: ToleranceStudy, row: int) -> Panel:
     rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
     title = printable("; ".join([what, *left]))
     return Panel(curves, printable(axis_label("change", unit)), "", (Mark(0.0),), names="", title=title, rows=rows)
+
+
+def dataset(study: ToleranceStudy) -> xarray.Dataset:
+    """A study as labelled arrays in the units of the linkage's file."""
+    import xarray  # noqa: PLC0415 - half a second that tables save
+
+    request = study.request
+    size = np.array([figure.unit.size for figure in request.figures])
+    parameter_size = np.array([tolerance.parameter.unit.size for tolerance in request.tolerances])
+    of, by = ("result",), ("result", "parameter")
+    return xarray.Dataset(
+        {
+            "nominal": (of, study.nominal / size),
+            "derivative": (by, study.derivatives * parameter_size / size[:, None]),
+            "contribution": (by, study.contributions / size[:, None]),
+            "share": (by, study.shares),
+            "change": ((*by, "limit"), study.changes / size[:, None, None]),
+            "worst": (of, study.worst / size),
+            "corner": ((*of, "end"), study.corners / size[:, None]),
+            "linear_deviation": (of, study.deviations / size),
+            "mean": (of, study.mean / size),
+            "deviation": (of, study.deviation / size),
+            "quantile": ((*of, "level"), study.quantiles / size[:, None]),
+        },
+        coords={
+            "result": [figure.name for figure in request.figures],
+            "units": (of, [figure.unit.name for figure in request.figures]),
+            "parameter": [tolerance.name for tolerance in request.tolerances],
+            "parameter_units": (("parameter",), [tolerance.parameter.unit.name for tolerance in request.tolerances]),
+            "plus_minus": (("parameter",), [tolerance.plus_minus for tolerance in request.tolerances] / parameter_size),
+            "distribution": (("parameter",), [str(tolerance.distribution) for tolerance in request.tolerances]),
+            "limit": ["lower", "upper"],
+            "end": ["least", "largest"],
+            "level": [*QUANTILES],
+        },
+        attrs={
+            "mechanism": request.mechanism.linkage.name,
+            "variant": request.mechanism.linkage.variant,
+            "conditions": request.conditions,
+            "derivatives": study.how,
+            "corners": "all" if study.has_all_corners else "the two that derivatives single out",
+            "samples": request.samples,
+            "seed": SEED,
+            "assembled": study.assembled,
+        },
+    )

@@ -17,13 +17,13 @@ from comparisons.trials.campaign.standard import JudgedCampaign
 from comparisons.trials.judging.changes import Change, write_rows
 from comparisons.trials.judging.limits import deciding
 from comparisons.trials.judging.records import Error, Verdict
+from reports.api import PASSED
+from reports.api.campaign import Campaign, campaign
+from reports.api.exit_codes import campaign_exit_code
+from reports.api.options import CompareOptions, RunLimits, StandardOptions
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printed, Printout, rendered
 from reports.python.keywords import with_keywords
-from reports.requests import PASSED
-from reports.requests.campaign import Campaign, campaign
-from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.options import CompareOptions, RunLimits, StandardOptions
 
 if TYPE_CHECKING:
     import pandas

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
@@ -13,26 +13,10 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import numpy as np
 
-from analytic.description.changes import without as without_part
-from analytic.description.linkage import Linkage
-from analytic.description.loading import in_variant, load
 from analytic.errors import LinkproofError, UnknownNameError, shortened
-from reports.requests.options import (
-    DeclaredOption,
-    JudgeOptions,
-    OptimiseOptions,
-    Option,
-    ResultsOptions,
-    SweepOptions,
-    ToleranceOptions,
-    declared_options,
-    member_type,
-)
+from reports.api.options import DeclaredOption, Option, declared_options, member_type
 
 Result = TypeVar("Result")
-LinkageOptions = TypeVar(
-    "LinkageOptions", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions
-)
 Words = str | Iterable[str]  # a name, or several names
 UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
 
@@ -126,21 +110,3 @@ def _number(name: str, value: Any, option: DeclaredOption) -> float:  # noqa: AN
 def words(given: Words) -> tuple[str, ...]:
     """A name, or several names, as a tuple."""
     return (given,) if isinstance(given, str) else tuple(given)
-
-
-def load_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """Load a linkage by its name or file, or take a loaded one, in ``variant`` if it is given."""
-    if not isinstance(linkage, Linkage):
-        result = load(linkage, variant)
-    else:
-        result = linkage if variant is None else in_variant(linkage, variant)
-    return result if gravity else without_part(result, "gravity")
-
-
-def resolve_linkage(linkage: Linkage | str | Path, options: LinkageOptions) -> tuple[Linkage, LinkageOptions]:
-    """The linkage in the variant of the options, and the options with its name and variant, for the command."""
-    chosen = load_linkage(linkage, options.variant)
-    if not isinstance(linkage, Linkage):
-        return chosen, replace(options, mechanism=str(linkage))
-    variant = None if chosen.variant == chosen.variants[0] else chosen.variant
-    return chosen, replace(options, mechanism=chosen.name, variant=variant)

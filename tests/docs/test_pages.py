@@ -70,7 +70,7 @@ def test_the_tables_have_every_limit_every_key_and_every_read_out():
 def test_the_page_about_python_has_every_public_name_and_every_variable_of_results():
     text = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     assert [name for name in linkproof.__all__ if f"`{name}" not in text and name != "__version__"] == []
-    assert [name for name in linkproof.results("juki-mf7923d", at=[0]) if f"`{name}`" not in text] == []
+    assert [name for name in linkproof.results("juki-mf7923d", at=[0]).dataset if f"`{name}`" not in text] == []
 
 
 def test_the_reference_has_every_public_name_with_its_arguments():

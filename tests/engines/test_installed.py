@@ -12,7 +12,7 @@ from analytic.errors import LinkproofError
 from engines.contract import Outcome, Setting
 from engines.ondsel_adapter import OndselEngine
 from engines.registry import engine
-from reports.requests import campaign
+from reports.api import campaign
 from tests.analytic.linkages import mechanism
 from tests.engines.closed_form import driven
 

@@ -49,7 +49,7 @@ class Mine:
 
 needle = linkproof.load("juki-mf7923d")
 peak: float = heaviest(needle)
-curves = linkproof.results(needle, speed=1200.0, clockwise=True)
+curves = linkproof.results(needle, linkproof.Motion(speed=1200.0, clockwise=True)).dataset
 force = curves["joint_force"].sel(joint="A", component="x")
 try:
     comparison = linkproof.compare("juki-mf7923d", engine="direct", speed=1200)
@@ -65,7 +65,7 @@ WRONG = """
 import linkproof
 
 linkproof.load(3)
-linkproof.results("juki-mf7923d", speed="fast")
+linkproof.results("juki-mf7923d", linkproof.Motion(speed="fast")).dataset
 linkproof.compare("juki-mf7923d", engines="direct")
 linkproof.Mechanism
 """

@@ -60,7 +60,7 @@ def compute(folder, chance):
 
 def judge(folder, chance):
     """Judge changed curves of a sound linkage."""
-    true, path = linkproof.results("juki-mf7923d"), folder / "changed.csv"
+    true, path = linkproof.results("juki-mf7923d").dataset, folder / "changed.csv"
     columns = [true["time"], np.degrees(true["phi"]), 1e3 * true["S"], true["Mkr"]]
     rows = [",".join(f"{value:.9g}" for value in row) for row in np.transpose(columns)[::12]]
     path.write_text(changed("\n".join(["time [s],phi [deg],S [mm],Mkr [N*m]", *rows]), chance), "utf-8", newline="")

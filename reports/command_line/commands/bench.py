@@ -17,10 +17,10 @@ from comparisons.trials.work_precision.measure import JOINTS, chosen_families
 from comparisons.trials.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
 from comparisons.trials.work_precision.study import bench as measure_all
 from comparisons.trials.work_precision.table import KIND, load, save
+from reports.api.campaign import missing_engines, request
+from reports.api.exit_codes import bench_exit_code
+from reports.api.options import BenchOptions, Motion, RunsOptions, command_line
 from reports.command_line.destination import Destination, finished_runs, report_interruption
-from reports.requests.campaign import missing_engines, request
-from reports.requests.exit_codes import bench_exit_code
-from reports.requests.options import BenchOptions, MotionOptions, RunsOptions, command_line
 from reports.work_precision.words import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -73,7 +73,7 @@ def _default_runs(options: BenchOptions) -> RunsOptions:
     """
     usual = () if options.swings else QUICK_REGIMES if options.quick else REGIMES
     options = replace(options, regime=options.regime or usual, quantity=())
-    default = MotionOptions()
+    default = Motion()
     times = (options.ramp_time, options.hold_time) == (default.ramp_time, default.hold_time)
     if options.quick and times and options.rpm and not options.swings:
         turn = 60.0 / abs(options.rpm)

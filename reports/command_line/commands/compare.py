@@ -9,11 +9,11 @@ from typing import Final
 from comparisons.trials.campaign.results import COMPARE, load, save, with_runs, write_curves
 from comparisons.trials.judging.changes import write_rows
 from comparisons.trials.runs.store import to_json
+from reports.api.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record, missing_engines
+from reports.api.exit_codes import campaign_exit_code
+from reports.api.options import CompareOptions, RunLimits, StandardOptions
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination, Writers, finished_runs, report_interruption
-from reports.requests.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, check_record, missing_engines
-from reports.requests.exit_codes import campaign_exit_code
-from reports.requests.options import CompareOptions, RunLimits, StandardOptions
 
 PAGE = "index.html"
 WRITERS: Final[Writers] = {

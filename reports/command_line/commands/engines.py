@@ -18,13 +18,9 @@ from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.plugins import engines as registered
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.command_line.destination import Destination
-from reports.document.parts import Paragraph, Table, TableCell
-from reports.document.terminal import Printed, Printout
-from reports.records import printout, readout_table
-from reports.requests import FAILED, PASSED
-from reports.requests.campaign import request
-from reports.requests.engine_trials import (
+from reports.api import FAILED, PASSED
+from reports.api.campaign import request
+from reports.api.engine_trials import (
     SelfTest,
     engine_findings,
     engine_trials,
@@ -32,7 +28,11 @@ from reports.requests.engine_trials import (
     optional_packages,
     places,
 )
-from reports.requests.options import CompareOptions, command_line
+from reports.api.options import CompareOptions, command_line
+from reports.command_line.destination import Destination
+from reports.document.parts import Paragraph, Table, TableCell
+from reports.document.terminal import Printed, Printout
+from reports.records import printout, readout_table
 
 REPORT = (
     "With a bug report, send the output of `linkproof engines --try`, the linkage file, the command and what it "

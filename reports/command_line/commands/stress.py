@@ -8,10 +8,10 @@ from contextlib import closing
 from analytic.errors import LinkproofError
 from comparisons.trials.stress.campaign import KIND, load, make_cells, save, stress
 from comparisons.trials.stress.cells import cells, chosen_axes, find_cell
+from reports.api.campaign import RunResources, missing_engines, requested_engines, run_resources
+from reports.api.exit_codes import stress_exit_code
+from reports.api.options import RunLimits, StressOptions, command_line
 from reports.command_line.destination import Destination, finished_runs, report_interruption
-from reports.requests.campaign import RunResources, missing_engines, requested_engines, run_resources
-from reports.requests.exit_codes import stress_exit_code
-from reports.requests.options import RunLimits, StressOptions, command_line
 from reports.stress import cell_details, printout
 
 

@@ -205,7 +205,7 @@ def test_peaks_and_means_of_a_load_of_straight_lines_are_exact():
     found = rows(results(Mechanism(load(str(file)))), "drive")
     exact = {"peak torque": 1.0, "peak power": 1.0, BRAKING: -0.2, "RMS torque": rms, MEAN: mean}
     assert {what: found[what, "Mkr"].value for what in exact} == pytest.approx(exact, rel=1e-14)
-    swept = sweep(file, {"crank.A.x": [19.0, 21.0]}, ("Mkr.max", "Mkr.min", "Mkr.rms", "Mkr.mean"), refine=True)
+    swept = sweep(file, {"crank.A.x": [19.0, 21.0]}, ("Mkr.max", "Mkr.min", "Mkr.rms", "Mkr.mean"), refine=True).dataset
     for name, value in zip(swept, (1.0, -0.2, rms, mean), strict=True):
         assert swept[name].to_numpy() == pytest.approx(np.full(2, value), rel=1e-14), name
 

@@ -9,7 +9,7 @@ import pytest
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
 from comparisons.designer.linkage_check import check
-from reports.command_line.commands.mechanisms import printed_facts
+from reports.designs.linkages import printed_facts
 from reports.document.terminal import rendered
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.faults import JUKI

@@ -143,8 +143,13 @@ def test_derivatives_are_those_of_the_chain_rule_and_a_mass_that_is_named_is_as_
 def test_the_file_of_an_optimum_has_the_masses_and_so_the_figures():
     over = {"rod.B.x": (172, 178), "rocker.B.x": (20, 23), "rod.mass": (0.16, 0.18)}
     found = linkproof.optimise(
-        "rimoldi-164", minimise="Mkr.peak", over=over, scale_mass=True, gravity=False, step="0.1mm"
-    )
+        "rimoldi-164",
+        motion=linkproof.SteadyMotion(gravity=False),
+        minimise="Mkr.peak",
+        over=over,
+        scale_mass=True,
+        step="0.1mm",
+    ).dataset
     assert found.attrs["conditions"].endswith(", masses scaled with lengths")
     assert "--scale-mass" in found.attrs["command"]
     after, own = found.sel(design="after"), Mechanism(parse(found.attrs["toml"], "best", "best"))

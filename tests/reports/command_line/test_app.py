@@ -5,7 +5,6 @@ import re
 from unittest.mock import patch
 
 import pytest
-import typer
 
 from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.errors import LinkproofError
@@ -21,12 +20,12 @@ from tests.commands import ROOT, linkproof, refused
 def completed(*words):
     """The words that bash offers for the last of these words."""
     variables = {
-        "_LINKPROOF_COMPLETE": "complete_bash",
+        "_LINKPROOF_COMPLETE": "bash_complete",
         "COMP_WORDS": " ".join(("linkproof", *words)),
         "COMP_CWORD": str(len(words)),
     }
     with patch.dict(os.environ, variables):
-        return linkproof().stdout.split()
+        return [word.partition(",")[2] for word in linkproof().stdout.split()]
 
 
 def test_help_explains_every_symbol_in_the_words_of_the_page_of_quantities():
@@ -46,7 +45,7 @@ def test_help_of_every_command_has_no_types_no_cut_sentences_and_no_long_lines()
     for command in commands:
         done = linkproof(command, "--help")
         assert done.returncode == 0
-        assert not re.search(r"\bbool\b|<|[^\]}]\.\.\.", done.stdout), command
+        assert not re.search(r"\bbool\b|<|[^\]A-Z]\.\.\.", done.stdout), command
         assert max(map(len, done.stdout.splitlines())) <= 80, command
 
 
@@ -77,6 +76,26 @@ def test_a_file_is_completed_from_its_folder(tmp_path, monkeypatch):
     assert completed("check", "mi") == ["mine.toml"]
 
 
+@pytest.mark.parametrize(
+    ("shell", "script", "settings"),
+    [("bash", ".bash_completions/linkproof.sh", ".bashrc"), ("zsh", ".zfunc/_linkproof", ".zshrc")],
+)
+def test_completion_is_installed_once(tmp_path, monkeypatch, shell, script, settings):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("SHELL", f"/bin/{shell}")
+    for _ in range(2):
+        assert linkproof("--install-completion").returncode == 0
+    shown = linkproof("--show-completion").stdout
+    assert f"_LINKPROOF_COMPLETE={shell}_complete" in shown
+    assert (tmp_path / script).read_text().strip() == shown.strip()
+    assert len((tmp_path / settings).read_text().split("\n\n")) == 1
+
+
+def test_an_unknown_shell_is_named(monkeypatch):
+    monkeypatch.setenv("SHELL", "/bin/strange")
+    assert "got 'strange'" in refused("--show-completion")
+
+
 MOTION = "variant regime speed ramp-time hold-time start-angle from to clockwise no-gravity"
 SWING = "variant speed from to clockwise no-gravity"
 # Commands and their options, --help apart; hidden ones count.
@@ -88,8 +107,8 @@ OFFERED = {
     "watch": f"{MOTION} no-open",
     "sweep": f"{SWING} vary table quantity scale-mass refine save json quiet",
     "optimise": f"{SWING} minimise maximise over keep scale-mass global round save json quiet",
-    "tolerance": "variant from to clockwise no-gravity scale-mass samples save json quiet",
-    "judge": f"{MOTION} mapping limit out save json quiet verbose",
+    "tolerance": "variant speed from to clockwise no-gravity scale-mass samples save json quiet",
+    "judge": f"{MOTION} map limit encoding out save json quiet verbose",
     "engines": "check try json quiet",
     "compare": f"{MOTION} engine setting quantity full out save json junit quiet verbose limits against "
     "record script time-limit memory-limit jobs scheduler",
@@ -111,7 +130,7 @@ BEFORE = {
     "engines": "json",
     "compare": f"{MOTION} engine setting quantity full out json junit resume quiet verbose limits baseline "
     "record-baseline allow-new allow-missing time-limit memory-limit jobs scheduler",
-    "judge": f"{MOTION} mapping limit out json quiet verbose svg write-mapping",
+    "judge": f"{MOTION} map limit encoding out json quiet verbose svg write-mapping",
     "bench": f"{MOTION} engine quantity quick costs out json resume quiet verbose scheduler",
     "stress": "engine setting quick time-limit out json resume quiet verbose jobs scheduler",
     "check-engine": "json quiet jobs",
@@ -127,7 +146,7 @@ BEFORE = {
     "diff": "json quiet verbose",
     "merge": "out",
 }
-COMMANDS = typer.main.get_command(main_app.app).commands
+COMMANDS = main_app.app.commands
 NOW = {
     name: [flag.removeprefix("--") for option in command.params for flag in option.opts if flag.startswith("--")]
     for name, command in COMMANDS.items()

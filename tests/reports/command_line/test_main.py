@@ -18,10 +18,10 @@ from comparisons.trials.campaign.results import load
 from comparisons.trials.runs.files import STORE
 from comparisons.trials.runs.store import begin
 from engines.pymunk_adapter.adapter import PymunkEngine
+from reports.api.campaign import request
+from reports.api.options import BenchOptions, CompareOptions, RunLimits, command_line
 from reports.command_line.app import app
 from reports.command_line.destination import finished_runs, own_study
-from reports.requests.campaign import request
-from reports.requests.options import BenchOptions, CompareOptions, RunLimits, command_line
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
 from tests.comparisons.faults import announce, wait_for
 
@@ -88,7 +88,7 @@ def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path):
 
 def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_out_where_it_is_not(monkeypatch):
     monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "pymunk is not installed: install it")
-    monkeypatch.setattr("reports.requests.campaign.engine_names", lambda: ("direct", "pymunk"))
+    monkeypatch.setattr("reports.api.campaign.engine_names", lambda: ("direct", "pymunk"))
     assert "pymunk is not installed: install it; or leave it out" in refused("compare", NAME, "--engine", "pymunk")
     done = linkproof("compare", NAME, "--quantity", "Jeq", "--json", "--jobs", "0", "--verbose")
     outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
@@ -112,15 +112,15 @@ def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
 @pytest.mark.parametrize(
     ("error", "code", "sentence"),
     [
-        (TypeError("a slip"), 3, "this is a fault of linkproof: TypeError: a slip (reports/command_line/"),
+        (TypeError("a slip"), 3, "this is a fault of linkproof: TypeError: a slip (reports/api/"),
         (MemoryError(), 1, "expected more memory, got none that is free; give less at once, or allow more\n"),
     ],
 )
 def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, error, code, sentence):
-    def fail(_):
+    def fail():
         raise error
 
-    monkeypatch.setattr("reports.command_line.commands.mechanisms._list_mechanisms", fail)
+    monkeypatch.setattr("reports.designs.linkages.listed_mechanisms", fail)
     done = linkproof("list")
     assert (done.returncode, done.stderr.count("\n")) == (code, 1)
     assert done.stderr.startswith(f"linkproof: {sentence}")

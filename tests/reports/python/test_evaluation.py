@@ -8,7 +8,7 @@ import pytest
 
 import linkproof
 from analytic.description.loading import parse
-from reports.python.evaluation import label
+from reports.designs.labels import label
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof as command
 
@@ -31,7 +31,7 @@ def test_the_stroke_of_a_slider_crank_is_the_textbooks():
 
 @pytest.mark.parametrize("name", ["rimoldi-164", str(LINKAGES / "drives" / "linear-motor.toml")])
 def test_every_quantity_is_that_of_results(name):
-    expected = linkproof.results(name, speed=12.0, regime="constant-speed")
+    expected = linkproof.results(name, linkproof.Motion(speed=12.0, regime="constant-speed")).dataset
     found = linkproof.evaluate(name, expected["phi"], speed=12.0)
     shared = [variable for variable in found if variable in expected and variable != "S"]
     assert {"Mkr", "Peq", "v", "a", "joint_force", "point_acceleration", "link_alpha", "shaking_moment"} <= {*shared}
@@ -83,13 +83,16 @@ def test_bad_input_is_refused(words, options, sentence):
 @pytest.mark.parametrize(
     ("words", "options"),
     [
-        (["rimoldi-164", "--speed", "1200", "--clockwise"], {"speed": 1200, "clockwise": True}),
-        (["juki-mf7923d", "--at", "0,90.5", "--no-gravity"], {"at": [0, 90.5], "gravity": False}),
+        (["rimoldi-164", "--speed", "1200", "--clockwise"], {"motion": linkproof.Motion(speed=1200, clockwise=True)}),
+        (
+            ["juki-mf7923d", "--at", "0,90.5", "--no-gravity"],
+            {"at": [0, 90.5], "motion": linkproof.Motion(gravity=False)},
+        ),
     ],
 )
 def test_every_signal_is_the_commands(words, options):
     document = json.loads(command("results", *words, "--json").stdout)
-    found = linkproof.results(words[0], **options)
+    found = linkproof.results(words[0], **options).dataset
     assert found.attrs["conditions"] == document["conditions"]
     assert found.sizes[document["axis"]] == len(document["values"]["time"])
     for name, values in document["values"].items():
@@ -101,9 +104,9 @@ def test_every_signal_is_the_commands(words, options):
 
 def test_a_loaded_linkage_and_a_path_are_the_same():
     motor = path_of("linear-motor")
-    assert linkproof.results(motor).identical(linkproof.results(linkproof.load(motor)))
-    loaded = linkproof.results(linkproof.load("juki-mf7923d"), variant="as-printed")
-    assert loaded.identical(linkproof.results("juki-mf7923d", variant="as-printed"))
+    assert linkproof.results(motor).dataset.identical(linkproof.results(linkproof.load(motor)).dataset)
+    loaded = linkproof.results(linkproof.load("juki-mf7923d"), linkproof.Motion(variant="as-printed")).dataset
+    assert loaded.identical(linkproof.results("juki-mf7923d", linkproof.Motion(variant="as-printed")).dataset)
 
 
 def test_an_optimum_has_the_numbers_and_figures_of_the_command():
@@ -111,7 +114,7 @@ def test_an_optimum_has_the_numbers_and_figures_of_the_command():
     words += ["--keep", "stroke=30.9:31", "--keep", "Jeq.mean"]
     document = json.loads(command("optimise", *words, "--json", "-q").stdout)
     over, keep = {"rod.B.x": (172, 178), "rocker.B.x": "±5%"}, {"stroke": (30.9, 31), "Jeq.mean": None}
-    found = linkproof.optimise("rimoldi-164", minimise="Mkr.peak", over=over, keep=keep)
+    found = linkproof.optimise("rimoldi-164", minimise="Mkr.peak", over=over, keep=keep).dataset
     for row in document["figures"]:
         scale = {"mm": 1e-3, "deg": 0.017453292519943295}.get(found[row["name"]].attrs["units"], 1.0)
         assert found[row["name"]].values * scale == pytest.approx([row["before"], row["after"]], rel=1e-14)

@@ -114,7 +114,7 @@ NAME = "juki-mf7923d"
 def curves(tmp_path, monkeypatch):
     """The closed form's own torque and stroke as a file of another tool, in the working folder."""
     monkeypatch.chdir(tmp_path)
-    run = linkproof.results(NAME, regime="run-up", time=np.linspace(0.0, 0.7, 141))
+    run = linkproof.results(NAME, linkproof.Motion(regime="run-up"), time=np.linspace(0.0, 0.7, 141)).dataset
     table = np.column_stack([run["time"], run["Mkr"], run["S"]])
     np.savetxt("a<b.csv", table, delimiter=",", header="time [s],Mkr [N*m],S [m]", comments="", fmt="%.9g")
 
@@ -126,19 +126,19 @@ def _one_check(monkeypatch):
 
 def test_the_facts_of_a_check_are_the_commands_and_a_fault_is_a_fact(tmp_path):
     printed = command("check", "rimoldi-164", "--json").stdout
-    assert json.loads(json.dumps(linkproof.check("rimoldi-164"))) == json.loads(printed)
+    assert json.loads(json.dumps(linkproof.check("rimoldi-164").facts)) == json.loads(printed)
     text = linkproof.load(NAME).text
     assert "D = [54.5, 0]" in text
     (tmp_path / "short.toml").write_text(text.replace("D = [54.5, 0]", "D = [1, 0]"))
-    assert "cannot be assembled" in linkproof.check(tmp_path / "short.toml")["fault"]
+    assert "cannot be assembled" in linkproof.check(tmp_path / "short.toml").facts["fault"]
 
 
 def test_results_of_another_tool_are_judged(curves):
-    found = linkproof.judge(NAME, "a<b.csv", regime="run-up")
+    found = linkproof.judge(NAME, "a<b.csv", motion=linkproof.Motion(regime="run-up"))
     assert found.passed
     assert [verdict.name for verdict in found.verdicts] == ["Mkr", "S"]
     assert found.check() is found
-    wrong = linkproof.judge(NAME, "a<b.csv", regime="run-up", gravity=False, limit=1e-4)
+    wrong = linkproof.judge(NAME, "a<b.csv", motion=linkproof.Motion(regime="run-up", gravity=False), limit=1e-4)
     with pytest.raises(
         AssertionError, match=r"run-up, a<b.csv imported, Mkr: over-limit, .* likely cause: y of gravity"
     ):
@@ -167,9 +167,9 @@ def test_an_engine_that_cannot_be_used_is_an_error(engine, words):
         (lambda: linkproof.compare(NAME, engine="direct", quantity=("Mkr", "S"), jobs=0),
          ("compare", NAME, "--engine", "direct", "--quantity", "Mkr", "--quantity", "S", "--jobs", "0"),
          "<Comparison: 2 deviations: 2 passed; ", [("Mkr", "passed"), ("S", "passed")]),
-        (lambda: linkproof.judge(NAME, "a<b.csv", regime="run-up"),
+        (lambda: linkproof.judge(NAME, "a<b.csv", motion=linkproof.Motion(regime="run-up")),
          ("judge", NAME, "a<b.csv", "--regime", "run-up"),
-         "<JudgedResults: Right at the file's samples: all 2 signals are within 1.0 % of",
+         "<Judgement: Right at the file's samples: all 2 signals are within 1.0 % of",
          [("Mkr", "passed"), ("S", "passed")]),
         (lambda: linkproof.check_engine("direct", 1), ("engines", "direct", "--check"),
          "<EngineFindings: direct: 1 passed>", [("identity", "passed")]),

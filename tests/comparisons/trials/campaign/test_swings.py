@@ -10,8 +10,8 @@ from comparisons.trials.judging.records import Verdict
 from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Outcome
 from engines.registry import engine, own_names, why_unavailable
-from reports.requests.campaign import request
-from reports.requests.options import CompareOptions
+from reports.api.campaign import request
+from reports.api.options import CompareOptions
 from tests.analytic.swinging import double_rocker_text
 
 REGIMES = """

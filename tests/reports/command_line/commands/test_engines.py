@@ -14,10 +14,10 @@ from analytic.errors import LinkproofError
 from comparisons.trials.conformance import conformance
 from comparisons.trials.judging.records import Run, Verdict
 from engines.registry import own_names
+from reports.api import engine_trials
+from reports.api.options import CompareOptions
 from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
-from reports.requests import engine_trials
-from reports.requests.options import CompareOptions
 from tests.commands import linkproof, refused
 from tests.comparisons.trials.conformance.wrong_engines import Direct, PrintingEngine
 from tests.test_economy import EXTRAS
@@ -89,7 +89,7 @@ def test_an_engine_that_cannot_be_checked_is_refused(checked, engine, words):
 def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
     for package in EXTRAS:
         monkeypatch.setitem(sys.modules, package, None)
-    for module in ("reports.requests.engine_trials", "reports.requests.campaign"):
+    for module in ("reports.api.engine_trials", "reports.api.campaign"):
         monkeypatch.setattr(f"{module}.engine_names", lambda: names)
     done = linkproof("engines", "--try", "--json", cwd=tmp_path)
     facts = json.loads(done.stdout)

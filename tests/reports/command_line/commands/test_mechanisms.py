@@ -13,8 +13,8 @@ from analytic.description.json_schema import json_schema
 from analytic.description.loading import load
 from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
-from reports.command_line.commands import mechanisms
 from reports.command_line.destination import Destination
+from reports.designs import linkages as mechanisms
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
 
@@ -31,15 +31,14 @@ def checked(capsys, text, **options):
     Path("mine.toml").write_text(text, encoding="utf-8")
     fault = None
     try:
-        mechanisms.check("mine.toml", None, Destination(**options))
+        Destination(**options).emit(mechanisms.review(load("mine.toml"), "mine.toml", strict=False))
     except LinkproofError as error:
         fault = error
     return capsys.readouterr().out, fault
 
 
 def test_a_new_file_works_and_fits_its_schema(capsys):
-    mechanisms.new('needle "drive"', Destination())
-    assert "next: linkproof check" in capsys.readouterr().out
+    assert "next: linkproof check" in str(mechanisms.new('needle "drive"'))
     text = Path('needle "drive".toml').read_text(encoding="utf-8")
     assert text.startswith("#:schema ./linkproof.schema.json\n")
     schema = json.loads(Path("linkproof.schema.json").read_text(encoding="utf-8"))
@@ -69,17 +68,16 @@ def test_every_part_that_is_commented_out_works():
         assert load("part.toml").links
 
 
-def test_nothing_is_overwritten_but_an_old_schema_of_ours(capsys):
+def test_nothing_is_overwritten_but_an_old_schema_of_ours():
     Path("mine.toml").write_text("mine", encoding="utf-8")
     Path("linkproof.schema.json").write_text("{}", encoding="utf-8")
     with pytest.raises(LinkproofError, match=r"'mine\.toml' exists already: give another name"):
-        mechanisms.new("mine", Destination())
-    mechanisms.new("other.toml", Destination())
+        mechanisms.new("mine")
+    mechanisms.new("other.toml")
     assert Path("mine.toml").read_text(encoding="utf-8") == "mine"
     assert Path("linkproof.schema.json").read_text(encoding="utf-8") == "{}"
     Path("linkproof.schema.json").write_text(json.dumps({"title": mechanisms.TITLE}), encoding="utf-8")
-    mechanisms.new("third", Destination())
-    assert capsys.readouterr().out.splitlines()[-1].startswith("wrote third.toml and renewed linkproof.schema.json, ")
+    assert str(mechanisms.new("third")).startswith("wrote third.toml and renewed linkproof.schema.json, ")
     assert json.loads(Path("linkproof.schema.json").read_text(encoding="utf-8")) == json_schema()
 
 
@@ -87,7 +85,7 @@ def test_nothing_is_overwritten_but_an_old_schema_of_ours(capsys):
 def test_a_name_that_cannot_be_a_file_is_refused(name):
     Path("none").write_text("", encoding="utf-8")
     with pytest.raises(LinkproofError, match=r"expected a"):
-        mechanisms.new(name, Destination())
+        mechanisms.new(name)
     assert [path.name for path in Path().iterdir()] == ["none"]
 
 
@@ -114,12 +112,9 @@ def test_everything_up_to_the_first_fault_is_reported(capsys):
     assert json.loads(output)["fault"] == str(fault)
 
 
-def test_the_next_command_can_be_pasted_into_a_shell(capsys):
-    mechanisms.new("a b", Destination())
-    mechanisms.new("-x", Destination())
-    output = capsys.readouterr().out
-    assert "next: linkproof check 'a b.toml'\n" in output
-    assert "next: linkproof check ./-x.toml\n" in output
+def test_the_next_command_can_be_pasted_into_a_shell():
+    assert str(mechanisms.new("a b")).endswith("next: linkproof check 'a b.toml'")
+    assert str(mechanisms.new("-x")).endswith("next: linkproof check ./-x.toml")
     with pytest.raises(DescriptionError, match=r"unknown mechanism 'a b': did you mean the file 'a b\.toml'\?"):
         load("a b")
 

@@ -21,7 +21,9 @@ def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     formats = ("csv", "json", "svg", "xlsx", "png", "pdf", "dxf")
     words = [word for name in formats for word in ("--save", f"t.{name}")]
     motion = ("--regime", "run-up", "--ramp-time", "0.1", "--decimal", ",", "--json")
-    document = json.loads(linkproof("results", engine, *motion, *words, cwd=tmp_path).stdout)
+    done = linkproof("results", engine, *motion, *words, cwd=tmp_path)
+    assert done.stderr == "".join(f"wrote t.{name}\n" for name in formats)
+    document = json.loads(done.stdout)
     assert json.loads((tmp_path / "t.json").read_text(encoding="utf-8")) == document
     assert document["axis"] == "time"
     assert "run-up, up to 1000 rpm" in document["conditions"]
@@ -93,7 +95,7 @@ def test_bad_input_is_one_sentence_and_nothing_is_written(engine, tmp_path, word
 
 @pytest.mark.parametrize(("suffix", "package"), [("xlsx", "openpyxl"), ("dxf", "ezdxf")])
 def test_a_missing_package_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, suffix, package):
-    monkeypatch.setattr("reports.command_line.destination.find_spec", lambda name: None if name == package else name)
+    monkeypatch.setattr("reports.document.study.find_spec", lambda name: None if name == package else name)
     error = refused("results", engine, "--save", f"a.{suffix}", cwd=tmp_path)
     cure = f"install it with: pip install 'linkproof[{suffix}]'"
     assert error == f"linkproof: --save a.{suffix}: expected {package}, got none: {cure}\n"

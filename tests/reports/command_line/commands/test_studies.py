@@ -17,13 +17,13 @@ from comparisons.trials.runs.store import unfinished_command
 from comparisons.trials.stress import campaign
 from comparisons.trials.work_precision.study import Extent
 from comparisons.trials.work_precision.table import load
+from reports.api.options import BenchOptions, RunsOptions, StressOptions
 from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands import stress as stress_command
 from reports.command_line.commands.bench import bench
 from reports.command_line.commands.stress import run as stress
 from reports.command_line.destination import Destination
 from reports.records import limit_table
-from reports.requests.options import BenchOptions, RunsOptions, StressOptions
 from tests.commands import linkproof
 from tests.comparisons.faults import PATIENCE, announce
 

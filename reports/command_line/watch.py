@@ -23,23 +23,23 @@ from analytic.errors import LinkproofError
 from analytic.files import read_file
 from comparisons.designer.building import page_sheet
 from comparisons.trials.runs.files import write_file
+from reports.api.motions import requested_results
+from reports.api.options import Motion
 from reports.document import html
 from reports.document.parts import Page, Paragraph
 from reports.document.terminal import show
 from reports.mechanism.page import page
-from reports.requests.motions import requested_results
-from reports.requests.options import WatchOptions
 
 
-def watch(options: WatchOptions) -> None:
+def watch(mechanism: str, motion: Motion, *, opens: bool) -> None:
     """Serve the page of a file until Ctrl-C."""
-    file = _WatchedFile(options)
+    file = _WatchedFile(mechanism, motion)
     try:
-        browser = webbrowser.get() if options.opens else None
+        browser = webbrowser.get() if opens else None
     except webbrowser.Error as error:
         raise LinkproofError("no browser on this machine: add --no-open, and open the printed address") from error
     with PageServer(file.page, file.save) as server:
-        show(f"{server.address}\nThe page follows {options.mechanism}; Ctrl-C ends it.", stderr=True)
+        show(f"{server.address}\nThe page follows {mechanism}; Ctrl-C ends it.", stderr=True)
         if browser:
             Thread(target=browser.open, args=(server.address,), daemon=True).start()
         with suppress(KeyboardInterrupt):
@@ -49,12 +49,12 @@ def watch(options: WatchOptions) -> None:
 class _WatchedFile:
     """A linkage file; the state of a page is a digest of the file that it shows."""
 
-    def __init__(self, options: WatchOptions) -> None:
-        if loading.read(options.mechanism).is_known:
+    def __init__(self, mechanism: str, motion: Motion) -> None:
+        if loading.read(mechanism).is_known:
             raise LinkproofError(
-                f"expected a file of your own, got '{options.mechanism}', which is installed; copy it and name the copy"
+                f"expected a file of your own, got '{mechanism}', which is installed; copy it and name the copy"
             )
-        self.options, self.path = options, Path(options.mechanism)
+        self.motion, self.path = motion, Path(mechanism)
         self._lock, self._files = Lock(), {"state": b""}
         self._shown: Page | None = None  # of the file when it was last without a fault
         self._fault = ""
@@ -91,7 +91,7 @@ class _WatchedFile:
         name = self.path.name
         self._fault = ""
         try:
-            case, _ = requested_results(loading.load(self.options.mechanism, self.options.variant), self.options)
+            case, _ = requested_results(loading.load(self.path, self.motion.variant), self.motion)
             self._shown = replace(page(page_sheet(case)), sections=())  # whose figures would not follow
         except LinkproofError as error:
             self._fault = str(error)

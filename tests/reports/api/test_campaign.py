@@ -11,8 +11,8 @@ from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.trials.campaign.campaign import cases
 from comparisons.trials.judging.limits import read_limits
-from reports.requests.campaign import campaign, files, request, run_resources
-from reports.requests.options import CompareOptions, RunLimits, StandardOptions, command_line
+from reports.api.campaign import campaign, files, request, run_resources
+from reports.api.options import CompareOptions, RunLimits, StandardOptions, command_line
 
 JUKI = "juki-mf7923d"
 

@@ -11,9 +11,9 @@ from analytic.description.crank_motion import LAWS, REGIMES, RPM
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.designer.open_ends import MARGIN
-from reports.requests.campaign import request
-from reports.requests.motions import requested_motions
-from reports.requests.options import CompareOptions, MotionOptions, changed_options
+from reports.api.campaign import request
+from reports.api.motions import requested_motions
+from reports.api.options import CompareOptions, Motion, changed_options
 from tests.analytic.linkages import driven, path_of
 from tests.commands import linkproof
 
@@ -22,12 +22,12 @@ MOTOR = driven("linear-motor")
 
 
 def motions(**options):
-    return requested_motions(MotionOptions(**options), []).prescribed
+    return requested_motions(Motion(**options), []).prescribed
 
 
 def linear(**options):
     """The motion of a drive along a line, and its conditions."""
-    (motion,), conditions, _ = requested_motions(MotionOptions(**options), [MOTOR.linkage])
+    (motion,), conditions, _ = requested_motions(Motion(**options), [MOTOR.linkage])
     return motion, conditions
 
 
@@ -61,7 +61,7 @@ def test_the_speed_of_a_swing_is_its_largest():
     ],
 )
 def test_the_words_ask_for_the_same(options, words):
-    assert changed_options(MotionOptions(**options)) == words
+    assert changed_options(Motion(**options)) == words
 
 
 @pytest.mark.parametrize(
@@ -117,15 +117,15 @@ def test_options_of_a_turning_crank_are_refused_for_a_drive_along_a_line():
     with pytest.raises(LinkproofError, match=r"--start-angle turns a crank, but 'linear-motor' is driven along a line"):
         linear(start_angle=90.0)
     with pytest.raises(LinkproofError, match="cannot share a motion with other linkages"):
-        requested_motions(MotionOptions(), [load("juki-mf7923d"), MOTOR.linkage])
+        requested_motions(Motion(), [load("juki-mf7923d"), MOTOR.linkage])
 
 
 def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
     linkages = [load("slotted-takeup")]
-    assert requested_motions(MotionOptions(regime=("free",)), linkages).own_regimes == ("free",)
-    assert requested_motions(MotionOptions(regime=("own",)), linkages).own_regimes == ("driven", "free")
+    assert requested_motions(Motion(regime=("free",)), linkages).own_regimes == ("free",)
+    assert requested_motions(Motion(regime=("own",)), linkages).own_regimes == ("driven", "free")
     with pytest.raises(LinkproofError, match="unknown regime 'fre'"):
-        requested_motions(MotionOptions(regime=("fre",)), linkages)
+        requested_motions(Motion(regime=("fre",)), linkages)
 
 
 @pytest.mark.parametrize(
@@ -141,12 +141,15 @@ def test_swings_and_drives_along_a_line_have_the_figures_of_results(name, motion
     force = next(row for row in figures["forces"] if row["what"] == "A")["value"]
     peaks, number = ["Mkr.peak", "joint_force:A.peak"], f"{next(iter(load(name).links))}.mass"
     expected = pytest.approx([abs(figures["drive"][0]["value"]), force], rel=1e-9)
+    asked = package.SteadyMotion(**motion)
     mass = load(name).links[number.partition(".")[0]].mass
-    found = package.tolerance(name, {number: 1e-6 * mass}, peaks, samples=2, **motion)
+    found = package.tolerance(name, {number: 1e-6 * mass}, peaks, motion=asked, samples=2).dataset
     assert found["nominal"].values.tolist() == expected
-    swept = package.sweep(name, {number: [mass]}, peaks, refine=True, **motion)
+    swept = package.sweep(name, {number: [mass]}, peaks, motion=asked, refine=True).dataset
     assert [float(swept[peak].squeeze()) for peak in peaks] == expected
     over = {number: (0.9 * mass, 1.1 * mass)}
-    best = package.optimise(name, minimise=peaks[0], keep={peaks[1]: (0.0, 2.0 * force)}, over=over, **motion)
+    best = package.optimise(
+        name, minimise=peaks[0], keep={peaks[1]: (0.0, 2.0 * force)}, over=over, motion=asked
+    ).dataset
     assert [float(best[peak].sel(design="before")) for peak in peaks] == expected
     assert float(best[peaks[0]].sel(design="after")) < expected.expected[0]

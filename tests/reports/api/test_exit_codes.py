@@ -9,7 +9,7 @@ from comparisons.trials.judging.changes import Change, ChangeKind
 from comparisons.trials.judging.records import Error
 from comparisons.trials.stress.cells import find_cell
 from comparisons.trials.stress.verdict import StressVerdict
-from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
+from reports.api.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.comparisons.bench_rows import bench_of, row
 
 

@@ -1,9 +1,8 @@
-"""``linkproof.evaluate`` and ``results``: the closed form at any crank angles, or over a motion, as labelled arrays."""
+"""Signals as labelled arrays: variables over points, links, joints and components, from the names of the signals."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -11,18 +10,11 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 from analytic import signals
-from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
-from analytic.description.units import factor
 from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import evaluate as evaluate_signals
-from comparisons.designer.building import sheet
 from comparisons.designer.curves import TIME
-from reports.python.keywords import Words, load_linkage, resolve_linkage, with_keywords, words
-from reports.requests.motions import requested_results
-from reports.requests.options import ResultsOptions
 
 Array = NDArray[np.float64]
 GROUP: Final = "transmission_angle"
@@ -90,42 +82,17 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
     return xarray.Dataset(arrays, coords={**beside, **coordinates}, attrs=attributes)
 
 
-def evaluate(
-    linkage: Linkage | str | Path,
-    phi: ArrayLike,
-    quantities: Words | None = None,
-    *,
-    variant: str | None = None,
-    speed: ArrayLike | None = None,
-    acceleration: ArrayLike = 0.0,
-    gravity: bool = True,
-    designs: Mapping[str, ArrayLike] | None = None,
-) -> xarray.Dataset:
-    """Quantities of the closed form over crank angles ``phi`` (n,), rad; all available ones if none are named.
+# Signals at any crank angles, for ``linkproof.evaluate``.
 
-    They have the names and signs of ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` are added, and a
-    link's share ``Jeq:LINK`` where it is named. ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,);
-    quantities of motion need a speed. ``designs`` has arrays (k,) of numbers of the linkage, SI, by their names in its
-    file: the Dataset is then over ``design`` and ``phi``, without signals of parts and without S, and NaN where
-    ``assembled`` is False. A drive along a line has m, its file's unit of length per second and m/s² in place of rad,
-    rpm and rad/s². Raises LinkproofError for bad input.
-    """
-    mechanism = Mechanism(load_linkage(linkage, variant, gravity=gravity))
-    angle = np.atleast_1d(np.asarray(phi, dtype=float))
-    if angle.ndim != 1 or not angle.size:
-        raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
-    size = factor("length", mechanism.linkage.units.get("length", "m")) if mechanism.linkage.is_linear else RPM
-    moves: dict[str, Any] = {"acceleration": acceleration, "speed": None}
-    if speed is not None:
-        moves["speed"] = np.asarray(speed, dtype=float) * size
-    texts = None if quantities is None else words(quantities)
-    if designs is not None:
-        return _evaluate_designs(mechanism, angle, texts, designs, moves)
+
+def evaluated(
+    mechanism: Mechanism, angle: Array, names: Sequence[str] | None, moves: Mapping[str, Any]
+) -> xarray.Dataset:
+    """Quantities over crank angles, all available ones if none are named; ``moves`` has speed and acceleration."""
     variables = _signals_by_variable(mechanism)
-    chosen = _requested_variables(mechanism, texts, variables, moves=speed is not None)
-    names = [name for variable in chosen for name in variables[variable]]
-    values = evaluate_signals(mechanism, angle, names, **moves)
-    return labelled(mechanism.linkage, "phi", {"phi": angle, **values}, {})
+    chosen = _requested_variables(mechanism, names, variables, moves=moves["speed"] is not None)
+    every = [name for variable in chosen for name in variables[variable]]
+    return labelled(mechanism.linkage, "phi", {"phi": angle, **signals.evaluate(mechanism, angle, every, **moves)}, {})
 
 
 def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
@@ -153,7 +120,7 @@ def _requested_variables(
     return list(dict.fromkeys(names))
 
 
-def _evaluate_designs(
+def evaluated_designs(
     mechanism: Mechanism,
     angle: Array,
     names: Sequence[str] | None,
@@ -177,22 +144,3 @@ def _evaluate_designs(
         },
         attrs={"mechanism": mechanism.linkage.name, "variant": mechanism.linkage.variant},
     )
-
-
-# ``linkproof.results``: every signal of a linkage over a motion of its crank.
-
-
-@with_keywords()
-def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray.Dataset:
-    """Every signal of a linkage over a motion of its crank, as by ``linkproof results``, in SI.
-
-    The dimension is ``phi``, rad, where the crank turns at one speed, else ``time``, s; the other stands beside it.
-    Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
-    degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
-    """
-    case, chosen = requested_results(*resolve_linkage(linkage, options))
-    result = sheet(case, chosen)
-    about = {"regime": case.motion.regime, "conditions": result.conditions}
-    if result.open_end_warning:
-        about["open_ends"] = result.open_end_warning
-    return labelled(result.linkage, result.axis, result.table, about)

@@ -33,9 +33,9 @@ from comparisons.trials.runs.study import Task
 from comparisons.trials.runs.workers import LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
+from reports.api.motions import EVERYTHING, requested_motions
+from reports.api.options import CompareOptions, RunLimits, RunsOptions, StandardOptions, command_line
 from reports.records import CONCURRENT_RUNS
-from reports.requests.motions import EVERYTHING, requested_motions
-from reports.requests.options import CompareOptions, RunLimits, RunsOptions, StandardOptions, command_line
 
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 

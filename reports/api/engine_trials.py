@@ -23,8 +23,8 @@ from comparisons.trials.runs.plugins import engines
 from comparisons.trials.runs.run_engine import blamed_on
 from engines.contract import Engine
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.requests.campaign import request
-from reports.requests.options import CompareOptions
+from reports.api.campaign import request
+from reports.api.options import CompareOptions
 
 OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
 NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras

@@ -1,4 +1,4 @@
-"""The motions of ``MotionOptions``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
+"""The motions of ``Motion``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
 
 A campaign takes ``requested_motions``; a command about one motion takes ``requested_motion``, ``requested_case`` or,
 with the instants of a table, ``requested_results``.
@@ -39,7 +39,8 @@ from comparisons.designer.building import STEADY, range_motion
 from comparisons.designer.curves import Instants
 from comparisons.designer.open_ends import inset_ends
 from comparisons.motion.case import Case, Motion, case_of_file_regime
-from reports.requests.options import TIMED, MotionOptions, ResultsOptions
+from reports.api.options import TIMED, Numbers
+from reports.api.options import Motion as Asked
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
@@ -54,14 +55,14 @@ class RequestedMotions(NamedTuple):
     own_regimes: tuple[str, ...]
 
 
-def requested_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> RequestedMotions:
+def requested_motions(options: Asked, linkages: Sequence[Linkage]) -> RequestedMotions:
     """The motions of a campaign of ``linkages``; raises LinkproofError for motions that are impossible or unknown."""
     check_motion(options)
     motions, conditions = _prescribed_motions(options, linkages)
     return RequestedMotions(motions, conditions, _own_regimes(options, linkages))
 
 
-def requested_motion(options: MotionOptions, mechanism: Mechanism) -> Motion | None:
+def requested_motion(options: Asked, mechanism: Mechanism) -> Motion | None:
     """The one motion that is requested; None if the options name none.
 
     Raises LinkproofError for a motion that is impossible or unknown, and for several.
@@ -70,7 +71,7 @@ def requested_motion(options: MotionOptions, mechanism: Mechanism) -> Motion | N
     return None if case is None else case.motion
 
 
-def requested_case(options: MotionOptions, mechanism: Mechanism) -> Case:
+def requested_case(options: Asked, mechanism: Mechanism) -> Case:
     """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank.
 
     Raises LinkproofError for a motion that is impossible or unknown, and for several.
@@ -82,7 +83,7 @@ def requested_case(options: MotionOptions, mechanism: Mechanism) -> Case:
         return replace(moving, motion=Standstill("at rest", moving.motion.segments))
     case = _named_case(options, mechanism)
     has_length = options.swings or _is_timed(options) or _own_regimes(options, [mechanism.linkage])
-    if case is None or (options.regime == (STEADY,) and not has_length):
+    if case is None or (tuple(options.regime) == (STEADY,) and not has_length):
         return _default_case(options, mechanism)
     return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
 
@@ -94,20 +95,22 @@ class RequestedResults(NamedTuple):
     chosen: NDArray[np.float64] | None
 
 
-def requested_results(linkage: Linkage, options: ResultsOptions) -> RequestedResults:
+def requested_results(
+    linkage: Linkage, options: Asked, at: Numbers | None = None, time: Numbers | None = None
+) -> RequestedResults:
     """The motion and the instants of a request; raises LinkproofError for impossible ones."""
-    if options.at is not None and options.time is not None:
+    if at is not None and time is not None:
         raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
     case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
     linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
-    if options.at is not None:
+    if at is not None:
         length = file_unit("m", linkage)
         unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
-        return RequestedResults(case, instants.times_of_angles(np.array(options.at), unit, size))
-    return RequestedResults(case, None if options.time is None else instants.checked_times(np.array(options.time)))
+        return RequestedResults(case, instants.times_of_angles(np.array(at), unit, size))
+    return RequestedResults(case, None if time is None else instants.checked_times(np.array(time)))
 
 
-def _named_case(options: MotionOptions, mechanism: Mechanism) -> Case | None:
+def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
     """A case of the one motion that the options name; None if they name none."""
     check_motion(options)
     linkage = mechanism.linkage
@@ -126,13 +129,13 @@ def _named_case(options: MotionOptions, mechanism: Mechanism) -> Case | None:
     return None
 
 
-def _is_timed(options: MotionOptions) -> bool:
+def _is_timed(options: Asked) -> bool:
     """Whether the time of a motion was given."""
-    default = MotionOptions()
+    default = Asked()
     return (options.ramp_time, options.hold_time) != (default.ramp_time, default.hold_time)
 
 
-def _default_case(options: MotionOptions, mechanism: Mechanism) -> Case:
+def _default_case(options: Asked, mechanism: Mechanism) -> Case:
     """Constant speed over a full turn, or over the range of a driver that makes none, short of its limits."""
     if mechanism.linkage.is_linear:
         ((motion,), _) = _prescribed_motions(options, [mechanism.linkage])
@@ -148,12 +151,12 @@ def _default_case(options: MotionOptions, mechanism: Mechanism) -> Case:
     return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 
 
-def offered_regimes(options: MotionOptions) -> tuple[str, ...]:
+def offered_regimes(options: Asked) -> tuple[str, ...]:
     """Regimes that every linkage can have under these options."""
     return tuple(LAWS) if options.swings else REGIMES
 
 
-def check_motion(options: MotionOptions) -> None:
+def check_motion(options: Asked) -> None:
     """Raise LinkproofError for an impossible motion, in the words and the units of its options."""
     if options.rpm < 0.0 and options.clockwise:
         raise LinkproofError(
@@ -171,7 +174,7 @@ def check_motion(options: MotionOptions) -> None:
         _check_turning(options)
 
 
-def _check_turning(options: MotionOptions) -> None:
+def _check_turning(options: Asked) -> None:
     """Raise LinkproofError for an impossible motion of a crank that turns on."""
     for name in options.regime:
         if name in LAWS and name not in REGIMES:
@@ -183,7 +186,7 @@ def _check_turning(options: MotionOptions) -> None:
         raise LinkproofError("--hold-time: expected a positive number of s without a ramp time, got 0; correct it")
 
 
-def _check_swing(options: MotionOptions) -> None:
+def _check_swing(options: Asked) -> None:
     """Raise LinkproofError for an impossible motion from one angle to another."""
     start, end = options.from_angle, options.to_angle
     if start is None or end is None:
@@ -199,7 +202,7 @@ def _check_swing(options: MotionOptions) -> None:
             f"from {start:g}° to {end:g}° is counter-clockwise, and {option} is not: leave it out, or exchange "
             "--from and --to"
         )
-    default = MotionOptions()
+    default = Asked()
     for name in TIMED[::-1]:
         if getattr(options, name) != getattr(default, name):
             raise LinkproofError(
@@ -219,7 +222,7 @@ def _check_number(option: str, value: float, unit: str, least: float) -> None:
         raise LinkproofError(f"{option}: expected a {kind} number of {unit}, got {value:g}; correct it")
 
 
-def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
+def _motions(options: Asked) -> tuple[CrankMotion, ...]:
     """The requested prescribed crank motions, without regimes of the linkages."""
     known = offered_regimes(options)
     usual = SWINGING if options.swings else TURNING
@@ -227,7 +230,7 @@ def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
     return tuple(_motion(options, name) for name in dict.fromkeys(names) if name in known)
 
 
-def _motion(options: MotionOptions, name: str) -> CrankMotion:
+def _motion(options: Asked, name: str) -> CrankMotion:
     """The motion of a regime, in SI."""
     speed = abs(options.rpm) * RPM
     if options.from_angle is not None and options.to_angle is not None:
@@ -242,7 +245,7 @@ def _motion(options: MotionOptions, name: str) -> CrankMotion:
     )
 
 
-def _prescribed_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
+def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
     """The requested prescribed motions, without regimes of the linkages, and their conditions in words."""
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
@@ -271,7 +274,7 @@ def _prescribed_motions(options: MotionOptions, linkages: Sequence[Linkage]) -> 
     return motions, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
 
 
-def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
+def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
     """Travels at which a motion begins and ends, m."""
     if options.from_angle is not None and options.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
@@ -279,7 +282,7 @@ def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
     return inset_ends(Mechanism(linkage).crank_range(), backwards=options.turns_back)
 
 
-def _own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
+def _own_regimes(options: Asked, linkages: Sequence[Linkage]) -> tuple[str, ...]:
     """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
     regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
     known = [*offered_regimes(options), *regimes, OWN, EVERYTHING]

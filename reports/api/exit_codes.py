@@ -13,7 +13,7 @@ from comparisons.trials.stress.verdict import Cell, StressVerdict
 from comparisons.trials.work_precision.study import OUT_OF_TIME
 from comparisons.trials.work_precision.table import Bench
 from engines.contract import Outcome, Setting
-from reports.requests import FAILED, PASSED, SUITE_ERROR
+from reports.api import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(

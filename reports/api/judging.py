@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -19,37 +21,39 @@ from comparisons.filejudge.judge import ImportedJudgement
 from comparisons.filejudge.judge import judge as judge_results
 from comparisons.filejudge.reading import read_results
 from comparisons.motion.case import Motion
-from reports.requests.motions import check_motion, requested_motion
-from reports.requests.options import JudgeOptions
+from reports.api.motions import check_motion, requested_motion
+from reports.api.options import Motion as Asked
 
 STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that turns steadily may differ
 
 
-def check_judgement(options: JudgeOptions) -> None:
+def check_judgement(motion: Asked, limit: float) -> None:
     """Raise LinkproofError for bad options, before a file is read."""
-    check_motion(options)
-    if not 0.0 < options.limit < math.inf:
-        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {options.limit:g}")
+    check_motion(motion)
+    if not 0.0 < limit < math.inf:
+        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {limit:g}")
 
 
-def judge_files(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
+def judge_files(
+    linkage: Linkage, files: Sequence[Path], motion: Asked, *, map: Sequence[str], limit: float, encoding: str
+) -> ImportedJudgement:
     """The judgement of a tool's results against the closed form of a linkage.
 
     Raises LinkproofError for files that cannot be read.
     """
-    model = linkage if options.gravity else without(linkage, "gravity")
-    imported = read_results(options.results, model, options.map, options.encoding)
+    model = linkage if motion.gravity else without(linkage, "gravity")
+    imported = read_results(files, model, map, encoding)
     return judge_results(
         model,
         imported,
-        _motion(options, model, imported),
-        limit=options.limit,
-        start_angle=math.radians(options.start_angle),
-        gives_speed=options.speed is not None,
+        _motion(motion, model, imported),
+        limit=limit,
+        start_angle=math.radians(motion.start_angle),
+        gives_speed=motion.speed is not None,
     )
 
 
-def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) -> Motion | None:
+def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> Motion | None:
     """The motion of the regime; constant speed for a speed alone or signals over φ; None if the file's columns give it.
 
     Raises LinkproofError for signals over φ under a speed that changes, since they do not say when.

@@ -8,8 +8,9 @@ import os
 import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
@@ -25,14 +26,13 @@ from comparisons.designer.figures import case_figures
 from comparisons.designer.linkage_check import check_slips
 from comparisons.designer.open_ends import BINDS
 from comparisons.designer.parameters import named_figures, parameters, speed_unit
+from comparisons.motion.case import Case
 from comparisons.trials.runs.files import check_writable, write_file
-from comparisons.trials.runs.store import to_json
-from reports.command_line.destination import Destination, Writers, picture_writers
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
+from reports.document.study import PICTURES, Content, Study
 from reports.document.templates import lines
-from reports.document.terminal import Printed
-from reports.requests.options import SteadyOptions
+from reports.document.terminal import Printed, Printout
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +42,7 @@ TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
 
 
-def new(name: str, destination: Destination) -> None:
+def new(name: str) -> New:
     """Write a linkage file to fill in, and the schema with which an editor completes and checks it."""
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
@@ -57,8 +57,25 @@ def new(name: str, destination: Destination) -> None:
     if _is_ours(schema):
         beside = f" and {'renewed ' if schema.exists() else ''}{schema}, by which editors complete and check it"
         write_file(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
-    argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
-    destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
+    return New(path, beside)
+
+
+@dataclass(frozen=True, repr=False)
+class New(Study):
+    """A new file, at ``path``, and what was written ``beside`` it, in words."""
+
+    suffixes: ClassVar = ()
+    path: Path
+    beside: str
+
+    def printout(self) -> Printout:
+        """The files, and the next command."""
+        argument = shlex.quote(f"./{self.path}" if str(self.path).startswith("-") else str(self.path))
+        return Printout((), [f"wrote {self.path}{self.beside}; next: linkproof check {argument}"])
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The path."""
+        return {"path": str(self.path)}
 
 
 def _is_ours(path: Path) -> bool:
@@ -69,26 +86,86 @@ def _is_ours(path: Path) -> bool:
         return False
 
 
-def check(name: str, variant: str | None, destination: Destination, *, strict: bool = False) -> None:
-    """Print or write the facts of a linkage up to its first fault, draw it, and raise the fault.
-
-    With ``strict`` a likely mistake is a fault.
-    """
-    linkage = load(name, variant)
-    destination.check_saves({**FACTS, **DRAWINGS}, {"the linkage's file": Path(name)})
+def review(linkage: Linkage, word: str, *, strict: bool) -> Check:
+    """The facts of a linkage up to its first fault; with ``strict`` a likely mistake is one."""
     facts, fault = linkage_check.check(linkage)
-    destination.print(*printed_facts(facts, linkage.written))
-    destination.write_json(facts)
-    destination.write_saves(FACTS, facts)
-    if fault is not None:
-        raise fault
-    if strict:
-        check_slips(linkage)
-    destination.write_saves(DRAWINGS, linkage)
-    for file in destination.save:
-        destination.print(f"wrote {file}")
-    if not destination.save:
-        destination.print("", f"scheme       linkproof check {shlex.quote(name)} --save scheme.svg draws it")
+    if strict and fault is None:
+        try:
+            check_slips(linkage)
+        except LinkproofError as slip:
+            fault = slip
+    return Check(linkage, word, facts, fault)
+
+
+@dataclass(frozen=True, repr=False)
+class Check(Study):
+    """A review: the ``facts``, SI with angles in rad, and the ``fault`` or None; ``word`` names the linkage."""
+
+    suffixes: ClassVar = (".json", *PICTURES, ".dxf")
+    linkage: Linkage
+    word: str
+    facts: Mapping[str, Any]
+    fault: LinkproofError | None
+
+    @property
+    def exit_code(self) -> int:  # type: ignore[override]
+        """0; raises the fault."""
+        if self.fault is not None:
+            raise self.fault
+        return 0
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is no fault."""
+        return self.fault is None
+
+    def failures(self) -> Sequence[str]:
+        """The fault."""
+        return [str(self.fault)]
+
+    def sentence(self) -> Printed:
+        """The linkage, and its fault."""
+        return str(self.fault or f"{self.facts['mechanism']} ({self.facts['variant']}): {self.facts['title']}")
+
+    def printout(self) -> Printout:
+        """A line for each fact, then the links."""
+        return Printout(printed_facts(self.facts, self.linkage.written), ())
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The facts."""
+        return self.facts
+
+    def plot(self) -> Figure:
+        """The scheme in twelve positions of its range."""
+        from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
+        from reports.charts.scheme import scheme_figure  # noqa: PLC0415
+
+        return scheme_figure(self.linkage, positions_over_range(Mechanism(self.linkage)))
+
+    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
+        """What is saved in a file of a suffix; raises the fault of a linkage that cannot be drawn."""
+        if suffix != ".json" and self.fault is not None:
+            raise self.fault
+        if suffix != ".dxf":
+            return super().content(suffix, **form)
+        from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
+        from reports.designs.results_dxf import dxf  # noqa: PLC0415
+
+        return dxf(self.linkage, positions_over_range(Mechanism(self.linkage)))
+
+    def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401
+        """Write files; of a linkage with a fault only its facts, before the fault is raised."""
+        facts = [file for file in files if Path(file).suffix.lower() == ".json"]
+        super().save(*(facts if self.fault else files), **form)
+        if self.fault and len(facts) < len(files):
+            raise self.fault
+        return [Path(file) for file in files]
+
+    def hint(self, saved: Sequence[Path]) -> str:
+        """How to draw it."""
+        if saved or self.fault or not self.word:
+            return ""
+        return f"\nscheme       linkproof check {shlex.quote(self.word)} --save scheme.svg draws it"
 
 
 def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
@@ -113,26 +190,7 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
 
 
-# The writers of the files of ``check``: of its facts, and of the scheme in twelve positions of its range.
-
-
-def _scheme(linkage: Linkage) -> Figure:
-    from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
-    from reports.charts.scheme import scheme_figure  # noqa: PLC0415
-
-    return scheme_figure(linkage, positions_over_range(Mechanism(linkage)))
-
-
-def _dxf(linkage: Linkage) -> str:
-    from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - ezdxf takes half a second
-    from reports.designs.results_dxf import dxf  # noqa: PLC0415
-
-    return dxf(linkage, positions_over_range(Mechanism(linkage)))
-
-
 TOUCH: Final = 1e-9  # of the largest of its kind: the least magnitude of what passes zero is known no nearer
-FACTS: Final[Writers] = {".json": to_json}
-DRAWINGS: Final[Writers] = {**picture_writers(_scheme), ".dxf": _dxf}
 
 
 SHELVES: Final = {
@@ -141,22 +199,32 @@ SHELVES: Final = {
 }
 
 
-def list_names(name: str | None, destination: Destination) -> None:
-    """Print the linkages shelf by shelf, or of one the figures and numbers of its designs."""
-    if name is None:
-        _list_mechanisms(destination)
-    else:
-        _list_figures_and_numbers(load(name), destination)
+@dataclass(frozen=True, repr=False)
+class Listing(Study):
+    """What is listed: ``parts`` in print, ``table`` as JSON."""
+
+    parts: Sequence[Printed]
+    table: Mapping[str, Any]
+
+    def printout(self) -> Printout:
+        """The tables."""
+        return Printout(self.parts, ())
+
+    def sentence(self) -> Printed:
+        """How many there are."""
+        return ", ".join(f"{len(rows)} {name}" for name, rows in self.table.items() if isinstance(rows, list))
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The same as data."""
+        return self.table
 
 
-def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> None:
-    """Print every figure of a design under the default motion, extremes refined, and every number, in file units.
+def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing:
+    """Every figure of a design under a motion, extremes refined, and every number, in file units.
 
     A number has the digits that give its value back.
     """
-    from reports.requests.designs import steady_case  # noqa: PLC0415 - for this list alone
-
-    mechanism, _, conditions, case = steady_case(linkage, SteadyOptions())
+    linkage = mechanism.linkage
     every = named_figures(mechanism, figure_names(mechanism))
     curves = Curves(case)  # of one design, all figures are found together
     found = case_figures(curves, {each.name: each.figure for each in every})
@@ -181,7 +249,7 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
         "Figures stand to six digits; --json gives them in full. "
         f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle."
     )
-    destination.print(
+    parts: list[Printed] = [
         Paragraph(conditions, colour="bold"),
         "",
         _values_table("figure", figures, lambda value: ABSENT if value is None else printed(value)),
@@ -189,9 +257,9 @@ def _list_figures_and_numbers(linkage: Linkage, destination: Destination) -> Non
         _values_table("number", numbers, lambda value: repr(value).removesuffix(".0")),
         "",
         beside,
-    )
+    ]
     about = {"mechanism": linkage.name, "variant": linkage.variant, "conditions": conditions}
-    destination.write_json({**about, "figures": figures, "numbers": numbers})
+    return Listing(parts, {**about, "figures": figures, "numbers": numbers})
 
 
 def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callable[[Any], str]) -> Table:
@@ -199,12 +267,12 @@ def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callabl
     return Table("", (what, "unit", "value"), cells, "llr")
 
 
-def _list_mechanisms(destination: Destination) -> None:
-    """Print or write the suite's linkages, shelf by shelf."""
+def listed_mechanisms() -> Listing:
+    """The suite's linkages, shelf by shelf."""
     names = (catalogue(), literature())
     shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=True)}
-    destination.print(*_shelves({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()}))
-    destination.write_json({"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
+    parts = _shelves({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()})
+    return Listing(parts, {"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
 
 def _linkage_entry(linkage: Linkage, shelf: str) -> dict[str, object]:

@@ -1,0 +1,350 @@
+"""What a designer asks of a linkage: its signature is the option on the command line, its docstring the documentation.
+
+Every function takes the name of a mechanism of the catalogue, the path of a .toml file, a loaded linkage or a mapping
+of the form of a file. Help and completion read the signatures alone: what computes is imported when it is called.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from analytic.errors import LinkproofError
+from reports.api.options import (
+    Announce,
+    Argument,
+    LinkageLike,
+    Mechanism,
+    Motion,
+    Numbers,
+    Option,
+    Ranges,
+    SteadyMotion,
+    Strict,
+    Variant,
+    Words,
+    checked,
+    command_line,
+    silent,
+    words,
+)
+
+if TYPE_CHECKING:
+    import xarray
+    from numpy.typing import ArrayLike
+
+    from reports.designs.linkages import Check, Listing, New
+    from reports.studies.designs import LazySweep, Optimisation, Results, Sweep, Tolerance
+    from reports.studies.judged import Judgement
+
+STILL = SteadyMotion()
+USUAL = Motion()
+ScaleMass = Annotated[bool, Option("Scale mass and inertia of a link with its lengths; default: as in the file.")]
+
+
+@checked
+def mechanisms(
+    mechanism: Annotated[LinkageLike | None, Argument("MECHANISM", "mechanisms")] = None,
+) -> "Listing":
+    """List the mechanisms of the catalogue, their variants and sources.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file: its figures for sweep, optimise and tolerance are
+    listed, and the numbers that they can vary, in the units of the file.
+    """
+    from reports.api.linkages import load_linkage
+    from reports.designs import linkages
+
+    if mechanism is None:
+        return linkages.listed_mechanisms()
+    from reports.api.steady import steady_case
+
+    found = steady_case(load_linkage(mechanism), STILL)
+    return linkages.listed_figures(found.mechanism, found.conditions, found.case)
+
+
+def new(name: Annotated[str, Argument("NAME", is_required=True)]) -> "New":
+    """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
+
+    Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML); one
+    that is there already is renewed.
+    """
+    from reports.designs import linkages
+
+    return linkages.new(name)
+
+
+@checked
+def check(mechanism: Mechanism, variant: Variant = None, *, strict: Strict = False) -> "Check":
+    """Review a linkage: mobility, groups, range of the crank, transmission angles, toggles, links, Jeq, stroke, errors.
+
+    MECHANISM is the path of a .toml file or a name in the catalogue.
+
+    Stops at the first error and states it in one sentence, with exit code 2.
+    """
+    from reports.api.linkages import load_linkage
+    from reports.designs.linkages import review
+
+    word = str(mechanism) if isinstance(mechanism, str | Path) else ""
+    return review(load_linkage(mechanism, variant), word, strict=strict)
+
+
+@checked
+def results(
+    mechanism: Mechanism,
+    motion: Motion = USUAL,
+    *,
+    at: Annotated[Numbers | None, Option("Every signal at these crank angles: 0,30,60.", "DEGREES")] = None,
+    time: Annotated[Numbers | None, Option("Every signal at these times: 0.1,0.2.", "SECONDS")] = None,
+    strict: Strict = False,
+) -> "Results":
+    """Compute torque, power, bearing forces and positions of one linkage, for its designer; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    Tables, CSV and SVG are in the units of the file, JSON is in SI with angles in rad.
+    """
+    from comparisons.designer.linkage_check import check_slips
+    from reports.api.linkages import resolve
+    from reports.api.motions import requested_results
+    from reports.studies.designs import Results
+
+    chosen, _, motion = resolve(mechanism, motion)
+    if strict:
+        check_slips(chosen)
+    return Results(*requested_results(chosen, motion, at, time))
+
+
+def evaluate(
+    linkage: LinkageLike,
+    phi: "ArrayLike",
+    quantities: Words | None = None,
+    *,
+    variant: str | None = None,
+    speed: "ArrayLike | None" = None,
+    acceleration: "ArrayLike" = 0.0,
+    gravity: bool = True,
+    designs: "Mapping[str, ArrayLike] | None" = None,
+) -> "xarray.Dataset":
+    """Quantities of the closed form over crank angles ``phi`` (n,), rad; all available ones if none are named.
+
+    They have the names and signs of ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` are added, and a
+    link's share ``Jeq:LINK`` where it is named. ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,);
+    quantities of motion need a speed. ``designs`` has arrays (k,) of numbers of the linkage, SI, by their names in its
+    file: the Dataset is then over ``design`` and ``phi``, without signals of parts and without S, and NaN where
+    ``assembled`` is False. A drive along a line has m, its file's unit of length per second and m/s² in place of rad,
+    rpm and rad/s². Raises LinkproofError for bad input.
+    """
+    import numpy as np
+
+    from analytic.description.crank_motion import RPM
+    from analytic.description.units import factor
+    from analytic.kinematics.mechanism import Mechanism
+    from reports.api.linkages import load_linkage
+    from reports.designs.labels import evaluated, evaluated_designs
+
+    mechanism = Mechanism(load_linkage(linkage, variant, gravity=gravity))
+    angle = np.atleast_1d(np.asarray(phi, dtype=float))
+    if angle.ndim != 1 or not angle.size:
+        raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
+    size = factor("length", mechanism.linkage.units.get("length", "m")) if mechanism.linkage.is_linear else RPM
+    moves = {"acceleration": acceleration, "speed": None if speed is None else np.asarray(speed, dtype=float) * size}
+    names = None if quantities is None else words(quantities)
+    if designs is None:
+        return evaluated(mechanism, angle, names, moves)
+    return evaluated_designs(mechanism, angle, names, designs, moves)
+
+
+@checked
+def sweep(
+    mechanism: Mechanism,
+    vary: Annotated[
+        Mapping[str, Any] | Sequence[str],
+        Option(
+            "Values of a number of the file or of the speed, in the file's units or others: rod.B.x=17cm:18cm:100; "
+            "several make a grid.",
+            "NAME=FIRST:LAST:COUNT",
+            names="parameters",
+        ),
+    ] = (),
+    quantity: Annotated[
+        Sequence[str],
+        Option(
+            "Figure of a design: SIGNAL.peak, .mean, .rms, .max, .min or .range, SIGNAL@DEGREES, joint_force.peak of "
+            "every joint, stroke; repeatable; default: peaks of torque and joint forces, least transmission angles, "
+            "the stroke.",
+            "NAME",
+            names="figures",
+        ),
+    ] = (),
+    motion: SteadyMotion = STILL,
+    *,
+    table: Annotated[
+        "str | Path | Mapping[str, Any] | None",
+        Option("Designs one by one: columns rod.B.x or rod.B.x [mm].", "CSV", reads="the table"),
+    ] = None,
+    scale_mass: ScaleMass = False,
+    refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False,
+    announce: Announce = silent,
+) -> "Sweep | LazySweep":
+    """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    Values are in the units of the file. The crank turns at constant speed; extremes are taken at 180 angles, or are
+    exact with --refine. A design that does not assemble at one of the angles has no figures.
+
+    In Python ``vary`` may map names to values (n,) each, and ``table`` be a mapping, DataFrame or Dataset of columns;
+    if they are Dask arrays, so are the figures, computed chunk by chunk on request, without a limit to their number.
+    """
+    from comparisons.designer.sweep import sweep as sweep_space
+    from reports.api.linkages import resolve
+    from reports.api.steady import given_designs, lazy_dataset, steady_case, sweep_request
+    from reports.studies.designs import LazySweep, Sweep
+
+    chosen, mechanism, motion = resolve(mechanism, motion)
+    case = steady_case(chosen, motion, scale_mass=scale_mass, refine=refine)
+    space, lazy = given_designs(case.mechanism.linkage, vary, table)
+    request = sweep_request(case, space, quantity, refine=refine)
+    if lazy is not None:
+        return LazySweep(lazy_dataset(request, lazy))
+    is_typed = not isinstance(vary, Mapping) and (table is None or isinstance(table, str | Path))
+    command = command_line(sweep, locals()) if is_typed else ""  # arrays have no words
+    study = sweep_space(request, announce)
+    return Sweep(study, command)
+
+
+@checked
+def optimise(
+    mechanism: Mechanism,
+    motion: SteadyMotion = STILL,
+    *,
+    minimise: Annotated[
+        str | None, Option("Minimise this figure, such as Mkr.peak.", "FIGURE", names="figures")
+    ] = None,
+    maximise: Annotated[str | None, Option("Maximise it: transmission_angle.min.", "FIGURE", names="figures")] = None,
+    over: Annotated[
+        Ranges,
+        Option(
+            "A number of the file, or the speed, to vary within bounds, or NAME=±10%; repeatable.",
+            "NAME=LOW:HIGH",
+            names="parameters",
+        ),
+    ] = (),
+    keep: Annotated[
+        Ranges,
+        Option(
+            "Hold a figure at its present value, at =VALUE, or in a range; repeatable.",
+            "FIGURE[=LOW:HIGH]",
+            names="figures",
+        ),
+    ] = (),
+    scale_mass: ScaleMass = False,
+    everywhere: Annotated[bool, Option("Search the whole region within the bounds.", flags=("--global",))] = False,
+    step: Annotated[
+        str | None, Option("Round lengths to this step, such as 0.1mm, and report the loss.", "STEP", ("--round",))
+    ] = None,
+    announce: Announce = silent,
+) -> "Optimisation":
+    """Find the best values within bounds while holding the results you choose; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
+
+    Figures are those of sweep: a peak is the largest magnitude. joint_force.peak is that of all joints together.
+
+    In Python ``over`` and ``keep`` may map names to (170, 180) or "±10%", to a number, or to None, which holds the
+    file's own value; None within a pair means unbounded.
+    """
+    from comparisons.designer.optimisation import optimise as find_optimum
+    from comparisons.designer.parameters import mass_words
+    from reports.api.linkages import resolve
+    from reports.api.steady import check_words, optimisation_request, steady_case
+    from reports.studies.designs import Optimisation
+
+    chosen, mechanism, motion = resolve(mechanism, motion)
+    command = command_line(optimise, locals())
+    request = optimisation_request(minimise, maximise, over, keep, is_global=everywhere, step=step)
+    case = steady_case(chosen, motion, scale_mass=scale_mass)
+    best = find_optimum(case.mechanism, case.motion, request, announce)
+    conditions = case.conditions + mass_words(case.mechanism.linkage, best.after)
+    return Optimisation(best, conditions, command, check_words(best, motion))
+
+
+@checked
+def tolerance(
+    mechanism: Mechanism,
+    tolerances: Annotated[
+        "str | Path | Mapping[str, Any]", Argument("TOLERANCES.toml", is_required=True, reads="the tolerances")
+    ],
+    results: Words | None = None,
+    motion: SteadyMotion = STILL,
+    *,
+    scale_mass: ScaleMass = False,
+    samples: Annotated[
+        int | None, Option("Random designs; default: 10000, 200 where a group has no closed form.", "N")
+    ] = None,
+    announce: Announce = silent,
+) -> "Tolerance":
+    """Compute the effect of tolerances on results: one by one, the worst case, random designs; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
+
+    results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
+    linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rod.B.length" = "50um",
+    "rocker.C.angle" = 0.1, speed = 10, "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ±
+    are three standard deviations).
+
+    In Python ``tolerances`` may map names to their ±, and ``results`` name what the file would; the speed of the motion
+    precedes that of the file.
+    """
+    from comparisons.designer.tolerances import Tolerances, read_tolerances, tolerance_request, tolerance_study
+    from reports.api.linkages import resolve
+    from reports.api.steady import steady_case
+    from reports.studies.designs import Tolerance
+
+    given = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
+    asked = replace(given, results=given.results if results is None else words(results))
+    chosen, _, motion = resolve(mechanism, motion)
+    if motion.speed is None:
+        motion = replace(motion, speed=asked.speed)
+    mechanism_, steady, conditions, _ = steady_case(chosen, motion, scale_mass=scale_mass)
+    request = tolerance_request(mechanism_, steady, asked, samples=samples, conditions=conditions)
+    return Tolerance(tolerance_study(request, announce))
+
+
+@checked
+def judge(
+    mechanism: Mechanism,
+    results: Annotated[Sequence[Path], Argument("RESULTS", is_required=True, reads="'{}'")],
+    motion: Motion = USUAL,
+    *,
+    map: Annotated[
+        Sequence[str],
+        Option(
+            "What a column is, such as 'Motor Torque12=-Mkr [N*mm]', nothing after = to leave it out; or a file of "
+            "such lines; repeatable.",
+            "COLUMN=SIGNAL",
+        ),
+    ] = (),
+    limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = 0.01,
+    encoding: Annotated[
+        str, Option("Encoding of files that are not UTF-8 or UTF-16, such as cp1252 or cp1251.", "NAME")
+    ] = "",
+) -> "Judgement":
+    """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
+
+    The crank's motion is taken from the file's angle or speed column, or from --regime. Nothing in a file is
+    interpolated or smoothed; only corrections that --map states are applied.
+
+    Exit codes: 0 every signal within the limit, 1 otherwise, 2 bad input or nothing to judge.
+    """
+    from reports.api.judging import check_judgement, judge_files
+    from reports.api.linkages import resolve
+    from reports.studies.judged import Judgement
+
+    check_judgement(motion, limit)
+    chosen, mechanism, motion = resolve(mechanism, motion)
+    command = command_line(judge, locals())
+    judged = judge_files(chosen, results, motion, map=map, limit=limit, encoding=encoding)
+    return Judgement(**vars(judged), paths=tuple(results), command=command)

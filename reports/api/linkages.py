@@ -1,0 +1,57 @@
+"""A linkage however it is given: a name of the catalogue, a path, a loaded linkage, a mapping of the form of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import tomlkit
+
+from analytic.description.changes import without
+from analytic.description.linkage import Linkage
+from analytic.description.loading import LinkageFile, in_variant, load, read
+from analytic.errors import LinkproofError, shortened
+from reports.api.options import Motion, SteadyMotion
+
+if TYPE_CHECKING:
+    from reports.api.options import LinkageLike
+
+Moved = TypeVar("Moved", Motion, SteadyMotion)
+
+
+def linkage_file(given: LinkageLike) -> LinkageFile:
+    """The file of a linkage; raises LinkproofError for one that was changed in Python, since its file is another."""
+    if isinstance(given, Mapping):
+        name = str(given.get("title", "linkage"))
+        return LinkageFile(name, f"linkage '{name}'", tomlkit.dumps(given))
+    if not isinstance(given, Linkage):
+        if not isinstance(given, str | Path):
+            raise LinkproofError(
+                f"expected a linkage, its name or path, or a mapping of the form of its file, got "
+                f"{shortened(repr(given))}; give one of them"
+            )
+        return read(given)
+    file = LinkageFile(given.name, given.name, given.text)
+    if file.linkage(given.variant) != given:
+        raise LinkproofError(f"'{given.name}' differs from its file: write it to a file, and give that")
+    return file
+
+
+def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: bool = True) -> Linkage:
+    """The linkage, in ``variant`` if it is named."""
+    if isinstance(given, Linkage):
+        result = given if variant is None else in_variant(given, variant)
+    else:
+        result = load(given, variant) if isinstance(given, str | Path) else linkage_file(given).linkage(variant)
+    return result if gravity else without(result, "gravity")
+
+
+def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
+    """The linkage in the variant of a motion, its word in a command, the motion with the variant of a loaded one."""
+    chosen = load_linkage(given, motion.variant)
+    if isinstance(given, str | Path):
+        return chosen, str(given), motion
+    variant = None if chosen.variant == chosen.variants[0] else chosen.variant
+    return chosen, chosen.name, replace(motion, variant=variant)

@@ -1,0 +1,533 @@
+"""The options of every function of ``linkproof``: how they are declared, what they share, how a call is repeated.
+
+An option is an annotated parameter, or a field of a frozen dataclass that is a parameter. The command line and the
+command in saved results are derived from it. A module of such functions annotates without ``from __future__``.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import Field, dataclass, fields, is_dataclass
+from functools import cache, wraps
+from numbers import Integral, Real
+from pathlib import Path
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Final,
+    NamedTuple,
+    ParamSpec,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from analytic.errors import LinkproofError, shortened
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from analytic.description.linkage import Linkage
+
+    LinkageLike = str | Path | Mapping[str, Any] | Linkage
+    Numbers = Sequence[float] | NDArray[np.float64] | float | str
+else:  # help and completion do without numpy
+    LinkageLike, Numbers = Any, Sequence[float]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Words = str | Iterable[str]  # a name, or several
+Ranges = Mapping[str, str | float | tuple[float | None, float | None] | None] | Sequence[str]
+Announce = Callable[[str, int, int], None]  # the label of a run, its number, the number of all
+
+
+def silent(_label: str, _number: int, _count: int) -> None:
+    """Announce nothing."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a command: its ``help``, the ``metavar`` of its value, its ``flags`` if they differ from its field.
+
+    ``names`` is the function of ``reports.command_line.completion`` by which a shell completes it. A command that
+    repeats the request leaves out an option without ``affects_results``.
+    """
+
+    help: str
+    metavar: str = ""
+    flags: tuple[str, ...] = ()
+    names: str = ""
+    affects_results: bool = True
+    reads: str = ""
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A positional argument of a command; the help of the command explains it.
+
+    ``reads`` says what a file is that it names, and that no output may replace.
+    """
+
+    metavar: str
+    names: str = ""
+    is_required: bool = False
+    reads: str = ""
+
+
+class DeclaredOption(NamedTuple):
+    """A field, or a parameter, that is an option or an argument, with the type of its value."""
+
+    field: Field[Any] | inspect.Parameter
+    kind: Any
+    info: Option | Argument
+
+    @property
+    def name(self) -> str:
+        """The option as it is typed, without the dashes."""
+        flags = self.info.flags if isinstance(self.info, Option) else ()
+        return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
+
+
+def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
+    """The options and arguments of a dataclass or a function, in order, without those of a function's dataclasses."""
+    return _declared_options(source)
+
+
+@cache
+def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
+    if is_dataclass(source):
+        hints = get_type_hints(source, include_extras=True)
+        annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
+    else:
+        annotated = [(each, each.annotation) for each in inspect.signature(source).parameters.values()]
+    chosen = [(field, hint) for field, hint in annotated if get_origin(hint) is Annotated]
+    return tuple(DeclaredOption(field, *get_args(hint)) for field, hint in chosen)
+
+
+def option_groups(function: Callable[..., Any]) -> dict[str, type]:
+    """The parameters of a function whose defaults are dataclasses of options, with those."""
+    parameters = inspect.signature(function).parameters.values()
+    return {each.name: type(each.default) for each in parameters if is_dataclass(type(each.default))}
+
+
+def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
+    """The type of the members of a tuple or a sequence, which may be optional; None for another type."""
+    kinds = (kind, *get_args(kind))
+    return next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
+
+
+# Values: each is checked by the type of its option, whether it comes from Python or as a word.
+
+UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Check every annotated argument of a call, and give the function one form: names in tuples, paths as paths."""
+    signature, groups = inspect.signature(function), option_groups(function)
+    options = {option.field.name: option for option in declared_options(function)}
+
+    @wraps(function)
+    def called(*args: P.args, **words: P.kwargs) -> R:
+        bound = signature.bind(*args, **words)
+        for name, given in bound.arguments.items():
+            if name in options:
+                bound.arguments[name] = option_value(options[name], given)
+            elif name in groups and not isinstance(given, groups[name]):
+                kind = groups[name].__name__
+                raise LinkproofError(f"{name}: expected a {kind}, got {shortened(repr(given))}; pass {kind}(...)")
+        return function(*bound.args, **bound.kwargs)
+
+    return called
+
+
+def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PLR0911 - of any option, a type each
+    """The value of an option; raises LinkproofError for a value of another type."""
+    name, kinds = option.field.name, (option.kind, *get_args(option.kind))
+    several = member_type(option.kind)
+    if option.kind is Any:
+        return given
+    if given is None and (type(None) in kinds or several is str):
+        return option.field.default
+    if several is float:
+        return _parse_numbers(option.name, given) if isinstance(given, str) else _numbers(option, given)
+    if several is not None:
+        return given if isinstance(given, Mapping) else tuple(map(several, words(given)))
+    if float in kinds or int in kinds:
+        return _number(option, given)
+    if bool in kinds and not isinstance(given, bool) and type(given).__name__ != "bool":  # numpy's has that name, too
+        raise LinkproofError(f"{name}: expected True or False, got {shortened(repr(given))}; pass one of them")
+    if Path in kinds:
+        return Path(given)
+    return str(given) if str in kinds else given
+
+
+def words(given: Words | Path) -> tuple[Any, ...]:
+    """A name, or several names, as a tuple."""
+    return (given,) if isinstance(given, str | Path) else tuple(given)
+
+
+def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
+    import numpy as np  # noqa: PLC0415 - what is typed does without
+
+    return tuple(_number(option, each) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
+
+
+def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
+    """A number; raises LinkproofError for anything else."""
+    is_whole = int in (option.kind, *get_args(option.kind))
+    if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
+        what = "a whole number" if is_whole else "a number"
+        unit = UNITS.get(option.info.metavar, "")
+        raise LinkproofError(f"{option.field.name}: expected {what}{unit}, got {shortened(repr(value))}; pass a number")
+    return value  # type: ignore[return-value]
+
+
+def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
+    """Parse numbers with commas between them; raises LinkproofError for what is no finite number."""
+    numbers = []
+    for word in text.split(","):
+        try:
+            number = float(word)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise LinkproofError(
+                f"--{option}: expected finite numbers with commas between them, such as 0,30,60, got "
+                f"'{word.strip()}'; correct it"
+            )
+        numbers.append(number)
+    return tuple(numbers)
+
+
+# The command that repeats a call.
+
+
+def command_line(command: str | Callable[..., Any], *given: Any) -> str:  # noqa: ANN401 - dataclasses, or a mapping
+    """The command that repeats a request: its arguments, its options with their values, and its flags.
+
+    ``given`` are dataclasses of options; of a function, its arguments by name.
+    """
+    if isinstance(command, str):
+        name, pairs = command, [pair for bag in given for pair in _pairs(type(bag), vars(bag))]
+    else:
+        name, (arguments,) = command.__name__, given
+        pairs = [*_pairs(command, arguments)]
+        for group, kind in option_groups(command).items():
+            pairs += _pairs(kind, vars(arguments[group]))
+    arguments_ = [str(word) for o, value in pairs if isinstance(o.info, Argument) for word in _values_of(value)]
+    changed = {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
+    valued = [word for name, values in changed.items() for value in values for word in (f"--{name}", value)]
+    flags = [f"--{name}" for name, values in changed.items() if not values]
+    return shlex.join(["linkproof", name, *arguments_, *valued, *flags])
+
+
+def _pairs(source: Any, values: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any]]:  # noqa: ANN401
+    """The options of a dataclass or a function with their values."""
+    for option in declared_options(source):
+        yield option, values[option.field.name]
+
+
+def _is_changed(option: DeclaredOption, value: Any) -> bool:  # noqa: ANN401 - of any option
+    """Whether an option affects the results and differs from its default."""
+    return isinstance(option.info, Option) and option.info.affects_results and value != option.field.default
+
+
+def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
+    """Options that differ from their defaults and affect the results, by name, each with its words as typed."""
+    pairs = _pairs(type(options), vars(options))
+    return {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
+
+
+def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
+    """The words of an option as typed; none of a flag."""
+    if isinstance(value, bool):
+        return ()
+    if isinstance(value, Mapping):
+        return tuple(range_word(*pair) for pair in value.items())
+    typed = tuple(map(typed_word, _values_of(value)))
+    return (",".join(typed),) if member_type(option.kind) is float else typed  # numbers are one word
+
+
+def range_word(name: str, values: Any) -> str:  # noqa: ANN401 - of a mapping of names
+    """A number with its range in the form of the command line."""
+    if values is None:
+        return name
+    if isinstance(values, tuple):
+        return f"{name}={':'.join('' if end is None else typed_word(float(end)) for end in values)}"
+    return f"{name}={values if isinstance(values, str) else typed_word(float(values))}"
+
+
+def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
+    """The members of a tuple, or a single value; empty for None."""
+    return value if isinstance(value, tuple) else () if value is None else (value,)
+
+
+def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
+    """A value as it is typed: every digit of a number, a whole one without a point."""
+    return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)
+
+
+# The files of a command's results, and the amount of its output.
+
+Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """``json`` is printed in place of everything else; ``out`` is a folder for all files of a command.
+
+    ``save`` has single files, each in the format of its suffix, ``junit`` a file of test cases for CI services.
+    ``quiet`` prints no progress and no tables, ``verbose`` adds the details of every record.
+    """
+
+    out: Annotated[Path | None, Option("Write records, curves and pages into this folder.", "DIR")] = None
+    save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
+    json: Json = False
+    junit: Annotated[Path | None, Option("Write every verdict as a test case, in JUnit's XML.", "FILE")] = None
+    quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
+    opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False
+    verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsFiles:
+    """The form of the files of ``linkproof results``.
+
+    ``decimal`` is the point or comma in the numbers of a CSV file, ``figure`` the single picture to draw instead of
+    all.
+    """
+
+    decimal: Annotated[str, Option("Decimal mark of a .csv; with a comma, semicolons between columns.", ".|,")] = "."
+    figure: Annotated[
+        str | None,
+        Option(
+            "Draw one figure alone, as wide as a paper's column: scheme, curves, torque, power, energy, inertia, "
+            "output, forces, transmission.",
+            "NAME",
+        ),
+    ] = None
+
+    def check(self, output: OutputOptions) -> None:
+        """Raise LinkproofError for options of files that do not go together."""
+        suffixes = {file.suffix.lower() for file in output.save}
+        if self.decimal not in {".", ","}:
+            raise LinkproofError(
+                f"--decimal: expected . or , in the numbers of a .csv, got '{self.decimal}'; correct it"
+            )
+        if self.decimal == "," and ".csv" not in suffixes:
+            raise LinkproofError("--decimal belongs to a table, and none is written: name a file with --save FILE.csv")
+        if self.figure is not None and not suffixes & {".svg", ".png", ".pdf"}:
+            raise LinkproofError("--figure needs a file: name a .svg, .png or .pdf with --save")
+
+
+# The motion of the crank: options of every command that moves a linkage.
+
+USUAL_SPEED = 1000.0  # rpm
+TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: no swing has them
+
+Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms", is_required=True, reads="the linkage's file")]
+Mechanisms = Annotated[Sequence[str], Argument("MECHANISM", "mechanisms", reads="'{}'")]
+Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
+Speed = Annotated[
+    float | None,
+    Option(
+        "Final crank speed, or the largest of a swing; negative turns clockwise; 0 in results; default: 1000.", "RPM"
+    ),
+]
+From = Annotated[float | None, Option("Crank angle at the start of a swing.", "DEGREES", ("--from",))]
+To = Annotated[float | None, Option("Crank angle at the end of a swing.", "DEGREES", ("--to",))]
+Clockwise = Annotated[bool, Option("Turn the crank clockwise.")]
+Gravity = Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))]
+Variant = Annotated[str | None, Option("Variant of the file; default: its own values.", "NAME", names="variants")]
+
+
+def _check_fields(options: Any) -> None:  # noqa: ANN401 - a dataclass
+    for option in declared_options(type(options)):
+        name = option.field.name
+        object.__setattr__(options, name, option_value(option, getattr(options, name)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
+
+    A negative ``speed`` turns clockwise; None is ``USUAL_SPEED``, of a drive along a line its mean. With ``from_angle``
+    and ``to_angle`` the crank swings from one to the other, and the regime is the law of motion. Of a drive along
+    a line ``speed``, ``from_angle`` and ``to_angle`` are in its file's unit of length.
+    """
+
+    variant: Variant = None
+    regime: Annotated[
+        Sequence[str],
+        Option(
+            "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, a regime of the file, own "
+            "(all of these), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, "
+            "modified-sine, or all; repeatable; default: run-up (bench: run-up-quintic and run-up; results: one "
+            "turn at constant speed), with --from and --to constant-speed.",
+            "NAME",
+            names="regimes",
+        ),
+    ] = ()
+    speed: Speed = None
+    ramp_time: Annotated[float, Option("Time to reach this speed.", "SECONDS")] = 0.6
+    hold_time: Annotated[float, Option("Time at this speed.", "SECONDS")] = 0.1
+    start_angle: Annotated[float, Option("Crank angle at the start.", "DEGREES")] = 0.0
+    from_angle: From = None
+    to_angle: To = None
+    clockwise: Clockwise = False
+    gravity: Gravity = True
+
+    def __post_init__(self) -> None:
+        """Give every field one form; raises LinkproofError for a value of another type."""
+        _check_fields(self)
+
+    @property
+    def rpm(self) -> float:
+        """The speed, rpm, negative if clockwise."""
+        return USUAL_SPEED if self.speed is None else self.speed
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether the crank turns clockwise."""
+        return self.clockwise or self.rpm < 0.0
+
+    @property
+    def swings(self) -> bool:
+        """Whether the crank goes from one angle to another."""
+        return self.from_angle is not None or self.to_angle is not None
+
+    @property
+    def conditions(self) -> str:
+        """Speed, direction, times and angles in words, without gravity, which belongs to the linkages."""
+        turns_back = self.turns_back
+        if self.from_angle is not None and self.to_angle is not None:
+            turns_back = self.to_angle < self.from_angle
+        turning = f"{abs(self.rpm):g} rpm {'clockwise' if turns_back else 'counter-clockwise'}"
+        if self.swings:
+            return f"from {self.from_angle:g}° to {self.to_angle:g}°, at most {turning}"
+        return f"{turning}, {self.ramp_time:g} s + {self.hold_time:g} s, from {self.start_angle:g}°"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyMotion:
+    """A motion at constant speed, rpm: over a turn, or between two angles, degrees; else as in ``Motion``."""
+
+    variant: Variant = None
+    speed: Speed = None
+    from_angle: From = None
+    to_angle: To = None
+    clockwise: Clockwise = False
+    gravity: Gravity = True
+
+    def __post_init__(self) -> None:
+        """Give every field one form; raises LinkproofError for a value of another type."""
+        _check_fields(self)
+
+    @property
+    def motion(self) -> Motion:
+        """The same among all motions."""
+        return Motion(**vars(self))
+
+
+# Runs of engines that compare, bench and stress make.
+
+Engines = Annotated[
+    tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
+]
+Settings = Annotated[
+    tuple[str, ...],
+    Option(
+        "naive, tuned, best, or all; repeatable; default: tuned (stress: a setting or a fixed-step method; default: "
+        "those of each map).",
+        "NAME",
+        names="settings",
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
+]
+Scheduler = Annotated[
+    str | None,
+    Option("Make the runs on the workers of this Dask scheduler.", "ADDRESS", affects_results=False),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsOptions(Motion):
+    """Linkages, engines, settings and quantities of runs; empty means the default."""
+
+    mechanisms: Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quantity: Annotated[
+        tuple[str, ...],
+        Option(
+            "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
+            "NAME",
+            names="quantities",
+        ),
+    ] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(RunsOptions):
+    """The runs of ``linkproof compare``."""
+
+    full: Annotated[bool, Option("Run the files' regimes in every setting, not only in tuned.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(RunsOptions):
+    """The runs of ``linkproof bench``, which has settings and methods of its own."""
+
+    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressOptions:
+    """Stability maps or cells for ``linkproof stress``; empty means the default."""
+
+    words: Annotated[tuple[str, ...], Argument("AXIS|CELL", "axes")] = ()
+    engine: Engines = ()
+    setting: Settings = ()
+    quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StandardOptions:
+    """Files of limits, and of results recorded before."""
+
+    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
+    against: Annotated[
+        Path | None,
+        Option(
+            "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
+            "threefold, has vanished or has changed fails.",
+            "FILE|DIR",
+        ),
+    ] = None
+    record: Annotated[
+        Path | None,
+        Option(
+            "Write errors, and figures of the closed form, into this CSV file for --against.",
+            "FILE",
+            affects_results=False,
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunLimits:
+    """Limits of each run, s and GiB, and worker processes, or those of a Dask scheduler; None means the default."""
+
+    time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
+    memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
+    jobs: Jobs = None
+    scheduler: Scheduler = None

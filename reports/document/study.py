@@ -1,0 +1,156 @@
+"""The result of a function of ``linkproof``: printed, drawn, saved and judged in one way, whatever made it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from markupsafe import escape
+
+from analytic.errors import LinkproofError
+from comparisons.trials.runs.files import check_writable, write_file
+from comparisons.trials.runs.store import to_json
+from reports.document.terminal import Printed, Printout, rendered
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+# What is saved by the suffix of a file: a text, bytes, or a function that fills the file at a path.
+Content = str | bytes | Callable[[Path], object]
+PICTURES: Final = (".svg", ".png", ".pdf")
+# Packages that write the files of a suffix, each in an extra of the suffix's name.
+PACKAGES: Final = {".xlsx": "openpyxl", ".dxf": "ezdxf"}
+NOTHING: Final[Mapping[str, Path]] = MappingProxyType({})
+
+
+class Study:
+    """A result with the output of its command; ``suffixes`` are those of the files that it can be saved to.
+
+    ``repr`` is a line; ``str`` and a notebook have what the command prints.
+    """
+
+    suffixes: ClassVar[tuple[str, ...]] = (".json",)
+    exit_code: int = 0
+    """The exit code of the command; a study of which nothing could be judged raises LinkproofError here."""
+
+    def printout(self) -> Printout:
+        """The output of the command."""
+        raise NotImplementedError
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """What the command prints as JSON."""
+        raise NotImplementedError
+
+    def json(self) -> str:
+        """The same as a text."""
+        return to_json(self.to_dict())
+
+    def brief(self) -> Sequence[Printed]:
+        """What a quiet command prints above the closing lines."""
+        return ()
+
+    def sentence(self) -> Printed:
+        """The outcome in a sentence."""
+        return next(iter(self.brief()), None) or self.printout().closing[-1]
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Likely mistakes in the files, and what a reader of the values has to know."""
+        return ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether the command would exit with 0."""
+        return self.exit_code == 0
+
+    def check_content(self) -> None:
+        """Raise LinkproofError where there is nothing to show."""
+
+    def failures(self) -> Iterable[str]:
+        """A line for everything that is not as it should be."""
+        return ()
+
+    def check(self) -> Study:
+        """The study itself if it is ``ok``; raises AssertionError with the ``failures`` if it is not."""
+        __tracebackhide__ = True  # pytest shows the line of the test
+        if self.ok:
+            return self
+        raise AssertionError("\n".join(self.failures()))
+
+    def plot(self, *_: Any, **__: Any) -> Figure:  # noqa: ANN401 - of each study its own
+        """A figure of matplotlib."""
+        raise LinkproofError(f"a {type(self).__name__} has no picture: print it")
+
+    def rows(self) -> Sequence[Mapping[str, Any]]:
+        """The rows of its table, by the names of the columns."""
+        return [self.to_dict()]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every record, verdict or finding, a column for each of its fields."""
+        import pandas as pd  # noqa: PLC0415  half a second that results alone do not pay
+
+        return pd.DataFrame(self.rows())
+
+    def content(self, suffix: str, *_: Any, **form: Any) -> Content:  # noqa: ANN401 - of each study its own
+        """What is saved in a file of a suffix."""
+        if suffix in PICTURES:
+            from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
+
+            return picture(self.plot(**form), suffix.removeprefix("."))
+        return self.json()
+
+    def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401 - of each study its own
+        """Write files in the formats of their suffixes, once every content is made; raises LinkproofError."""
+        paths = [Path(file) for file in files]
+        check_saves(paths, self.suffixes)
+        for path, content in [(path, self.content(path.suffix.lower(), **form)) for path in paths]:
+            write_file(path, content)
+        return paths
+
+    def write(self, folder: str | Path) -> Path:
+        """Write records and pages into a folder; the page to open."""
+        raise LinkproofError(f"a {type(self).__name__} has no pages: save a file, not '{folder}'")
+
+    def hint(self, _saved: Sequence[Path]) -> str:
+        """What to do next."""
+        return ""
+
+    def __repr__(self) -> str:
+        """A line: the kind of result and the outcome."""
+        return f"<{type(self).__name__}: {rendered(self.sentence()).strip()}>"
+
+    def __str__(self) -> str:
+        """The output of the command."""
+        printed = self.printout()
+        return rendered(*printed.tables, *printed.closing).strip("\n")
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
+
+
+def check_saves(files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING) -> None:
+    """Raise LinkproofError for a file that cannot be written; ``read`` has the files to read, by what they are."""
+    places: dict[str, Path] = {}
+    for file in files:
+        suffix = file.suffix.lower()
+        if suffix not in suffixes:
+            raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(suffixes)}; rename the file")
+        check_writable(file)
+        place = os.path.realpath(file)
+        if place in places:
+            raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
+        places[place] = file
+        for what, other in read.items():
+            if place == os.path.realpath(other):
+                raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
+        package = PACKAGES.get(suffix)
+        if package is not None and find_spec(package) is None:
+            raise LinkproofError(
+                f"--save {file}: expected {package}, got none: install it with: pip install "
+                f"'linkproof[{suffix.removeprefix('.')}]'"
+            )

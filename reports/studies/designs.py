@@ -1,0 +1,340 @@
+"""The results of one linkage, and of many designs of it: what is printed, drawn, saved, and labelled arrays."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import SPEED
+from analytic.errors import LinkproofError
+from comparisons.designer.building import page_sheet, sheet
+from comparisons.designer.linkage_check import warnings
+from comparisons.designer.optimisation import Optimum
+from comparisons.designer.parameters import design_file, speed_unit
+from comparisons.designer.sheet import Sheet
+from comparisons.designer.sweep import SweepStudy, reason_not_assembled
+from comparisons.designer.tolerances import ToleranceStudy
+from comparisons.motion.case import Case
+from comparisons.trials.campaign.saved_linkages import save_case
+from comparisons.trials.runs.files import claim
+from reports.designs import optimise_terminal, results_terminal, sweep_terminal, tolerance_terminal
+from reports.document.study import PICTURES, Content, Study
+from reports.document.terminal import Printed, Printout
+from reports.mechanism.shown import warning_texts
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, repr=False)
+class Results(Study):
+    """Every signal of a linkage over a motion of its crank; ``chosen`` are the instants (n,), s, of the tables.
+
+    ``dataset`` is in SI, what is printed in the units of the file. ``save`` takes the ``decimal`` mark of a .csv, and
+    the one ``figure`` of a picture.
+    """
+
+    suffixes: ClassVar = (".csv", ".json", ".xlsx", *PICTURES, ".dxf")
+    case: Case
+    chosen: NDArray[np.float64] | None = None
+
+    @cached_property
+    def sheet(self) -> Sheet:
+        """The signals and key figures."""
+        return sheet(self.case, self.chosen)
+
+    @cached_property
+    def _whole_sheet(self) -> Sheet:
+        """The same with the peak of every signal."""
+        return sheet(self.case, self.chosen, every_peak=True)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """The signals in SI over ``phi``, rad, where the crank turns at one speed, else ``time``, s.
+
+        The other stands beside it. Points, links, joints and groups are dimensions of their own, as are the components
+        x and y of a vector.
+        """
+        from reports.designs.labels import labelled  # noqa: PLC0415 - half a second that tables save
+
+        about = {"regime": self.case.motion.regime, "conditions": self.sheet.conditions}
+        if self.sheet.open_end_warning:
+            about["open_ends"] = self.sheet.open_end_warning
+        return labelled(self.sheet.linkage, self.sheet.axis, self.sheet.table, about)
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Extremes at open ends, and probable slips of the file."""
+        return warning_texts(self.sheet)
+
+    def printout(self) -> Printout:
+        """Tables of the key figures, or of every signal at the chosen instants."""
+        return Printout(results_terminal.printed(self.sheet), ())
+
+    def sentence(self) -> Printed:
+        """The conditions."""
+        return self.sheet.conditions
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """SI, angles in rad."""
+        return results_terminal.document(self._whole_sheet)
+
+    def json(self) -> str:
+        """One line, since lists of values are long."""
+        return results_terminal.json_text(self._whole_sheet)
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
+        """A column for every signal, by name and unit of the file, a row for every instant."""
+        import pandas as pd  # noqa: PLC0415
+
+        return pd.DataFrame(results_terminal.columns(self.sheet))
+
+    def plot(self, figure: str | None = None) -> Figure:
+        """The scheme and the curves, or one ``figure`` alone."""
+        from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
+
+        return results_figure(page_sheet(self.case), figure)
+
+    def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
+        """What is saved in a file of a suffix."""
+        if suffix == ".csv":
+            return results_terminal.csv_table(self.sheet, decimal)
+        if suffix == ".xlsx":
+            from reports.designs.results_workbook import workbook  # noqa: PLC0415 - half a second
+
+            return workbook(self.sheet)
+        if suffix == ".dxf":
+            from reports.designs.results_dxf import dxf  # noqa: PLC0415 - half a second
+
+            result = self.sheet
+            assert result.positions is not None
+            return dxf(result.linkage, result.positions, None if self.chosen is None else float(result.table["phi"][0]))
+        return super().content(suffix, figure=figure) if suffix in PICTURES else self.json()
+
+    def write(self, folder: str | Path) -> Path:
+        """Save the case among those of a report's folder, and write the report's pages; the linkage's page."""
+        from reports.mechanism.page import file_of  # noqa: PLC0415 - figures cost a second
+        from reports.site import write_site  # noqa: PLC0415
+
+        out = Path(folder)
+        _claimed = claim(out)  # until the pages are written
+        save_case(out, self.case)
+        index, page = write_site(out, processes=0), out / file_of(self.case.mechanism.linkage)
+        return page if page.is_file() else index  # the only one
+
+
+@dataclass(frozen=True, repr=False)
+class Sweep(Study):
+    """The figures of many designs, in the units of the file."""
+
+    suffixes: ClassVar = (".csv", ".json", ".nc", *PICTURES)
+    study: SweepStudy
+    command: str
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """A variable per figure over the parameters, or over ``design``; NaN for designs that do not assemble."""
+        return self.study.dataset.assign_attrs(command=self.command)
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Those of the request and of the file."""
+        return [*self.study.request.warnings, *warnings(self.study.request.linkage)]
+
+    def printout(self) -> Printout:
+        """Conditions, number of designs, a table of the figures."""
+        return Printout(sweep_terminal.parts(self.study), ())
+
+    def check_content(self) -> None:
+        """Raise LinkproofError if no design assembles."""
+        request = self.study.request
+        if not np.any(self.study.assembles):
+            raise LinkproofError(
+                f"expected designs that assemble, got none of {request.space.count}, for "
+                f"{reason_not_assembled(request)}; vary other ranges"
+            )
+
+    def brief(self) -> Sequence[Printed]:
+        """How many designs there are, and how many of them assemble."""
+        return [sweep_terminal.sentence(self.study)]
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The summary; what is not finite is null."""
+        return sweep_terminal.document(self.study)
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
+        """A row for every design."""
+        return self.dataset.to_dataframe().reset_index()
+
+    def plot(self) -> Figure:
+        """Curves, maps or parallel coordinates of the designs."""
+        from reports.designs.sweep_picture import sweep_figure  # noqa: PLC0415 - a second that other calls save
+
+        study = self.study
+        ends = [study.extreme(figure, way) for figure in range(len(study.values)) for way in (-1.0, 1.0)]
+        always = {design for design in ends if design is not None}
+        return sweep_figure(study.dataset, sweep_terminal.own_parameters(study.request), always)
+
+    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
+        """What is saved in a file of a suffix."""
+        if suffix == ".csv":
+            return partial(sweep_terminal.write_csv, self.study)
+        return sweep_terminal.netcdf(self.dataset) if suffix == ".nc" else super().content(suffix, **form)
+
+
+@dataclass(frozen=True, repr=False)
+class LazySweep:
+    """A sweep of Dask arrays: its ``dataset`` is computed chunk by chunk when it is asked for."""
+
+    dataset: xarray.Dataset
+
+    def __repr__(self) -> str:
+        """A line."""
+        return f"<LazySweep: {dict(self.dataset.sizes)}>"
+
+
+@dataclass(frozen=True, repr=False)
+class Optimisation(Study):
+    """The best design of a linkage, in the units of its file; ``rpm`` is the speed of the motion."""
+
+    suffixes: ClassVar = (".toml", ".json", *PICTURES)
+    best: Optimum
+    conditions: str
+    command: str
+    check_options: tuple[str, ...] = ()
+    """The words by which ``compare`` checks the new file under the same motion."""
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Those of the search and of the file."""
+        return [*self.best.warnings, *warnings(self.best.problem.mechanism.linkage)]
+
+    @property
+    def toml(self) -> str:
+        """The file of the new design."""
+        return design_file(self.best.problem.mechanism, self.best.written)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """Numbers and figures over ``design``, before and after, with their units.
+
+        The attributes have the ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0
+        at a local optimum.
+        """
+        import xarray as xr  # noqa: PLC0415 - half a second that tables save
+
+        best, saved = self.best, self.to_dict()
+        numbers = {}
+        for variable in best.problem.variables:
+            name, unit = variable.parameter.name, variable.parameter.unit
+            ends = {"units": unit.name, "low": variable.low / unit.size, "high": variable.high / unit.size}
+            numbers[name] = ("design", [side[name] / unit.size for side in (best.before, best.after)], ends)
+        figures = {
+            figure.name: ("design", best.values[:, column] / figure.unit.size, {"units": figure.unit.name})
+            for column, figure in enumerate(best.figures)
+        }
+        about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
+        cost = {name: value for name, value in saved["search"].items() if name != "ends"}
+        attributes = {**about, **cost, "toml": self.toml}
+        return xr.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, attributes)
+
+    def printout(self) -> Printout:
+        """The numbers and figures before and after, and how the search went."""
+        return Printout(optimise_terminal.printed(self.best, self.conditions), self._speed_note())
+
+    def brief(self) -> Sequence[Printed]:
+        """What the search has gained."""
+        return [optimise_terminal.closing(self.best)]
+
+    def _speed_note(self) -> Sequence[str]:
+        if SPEED not in self.best.after:
+            return ()
+        unit = speed_unit(self.best.problem.mechanism.linkage)
+        speed = float(f"{self.best.after[SPEED] / unit.size:.15g}")
+        return [f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file has no speed."]
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Numbers, figures and search."""
+        return optimise_terminal.document(self.best, self.command, self.conditions)
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
+        """A row before and one after."""
+        return self.dataset.to_dataframe().reset_index()
+
+    def plot(self) -> Figure:
+        """The curves before and after."""
+        from reports.charts.draw import figure  # noqa: PLC0415 - half a second that other calls save
+
+        return figure(optimise_terminal.before_after_chart(self.best, self.conditions))
+
+    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
+        """What is saved in a file of a suffix."""
+        return self.toml if suffix == ".toml" else super().content(suffix, **form)
+
+    def hint(self, saved: Sequence[Path]) -> str:
+        """How an engine checks the new design."""
+        file = next((str(file) for file in saved if file.suffix.lower() == ".toml"), None)
+        first = "" if file else "--save best.toml writes the new file; "
+        command = shlex.join(["linkproof", "compare", file or "best.toml", *self.check_options])
+        return f"To check it in an engine: {first}{command}"
+
+
+@dataclass(frozen=True, repr=False)
+class Tolerance(Study):
+    """The effect of tolerances on results, in the units of the file."""
+
+    suffixes: ClassVar = (".csv", ".json", *PICTURES)
+    study: ToleranceStudy
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Results at open ends, and probable slips of the file."""
+        request = self.study.request
+        return [*filter(None, [request.at_open_end.sentence]), *warnings(request.mechanism.linkage)]
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """The study over ``result`` and ``parameter``.
+
+        ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow
+        from ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is
+        computed with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile``
+        are of random designs. Derivatives are NaN where two local maxima are equal, and so are values of designs that
+        do not assemble.
+        """
+        return tolerance_terminal.dataset(self.study)
+
+    def printout(self) -> Printout:
+        """A table per result, rows by contribution, the worst case and the random designs."""
+        return tolerance_terminal.printout(self.study)
+
+    def sentence(self) -> Printed:
+        """The random designs."""
+        return self.printout().closing[0]
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Everything but the random designs themselves."""
+        return tolerance_terminal.document(self.study)
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
+        """A row for every result and parameter."""
+        over = [name for name, data in self.dataset.items() if set(data.dims) <= {"result", "parameter"}]
+        return self.dataset[over].to_dataframe().reset_index()
+
+    def plot(self) -> Figure:
+        """What each number contributes to each result."""
+        from reports.charts.draw import figure  # noqa: PLC0415 - half a second that other calls save
+
+        return figure(tolerance_terminal.tornado_chart(self.study))
+
+    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
+        """What is saved in a file of a suffix."""
+        return tolerance_terminal.csv_table(self.study) if suffix == ".csv" else super().content(suffix, **form)
