@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
+from urllib.parse import urlencode
 
 from markupsafe import Markup
 
 from comparisons.designer.sheet import Sheet
 from comparisons.trials.campaign.results import Results
 from comparisons.trials.judging.limits import grouped
+from comparisons.trials.judging.records import Error, Verdict
 from engines.contract import Setting
-from reports.campaign.verdict import CHECKS, EngineRanking, EngineRecords, listed, ratio, verdict
+from reports.campaign.verdict import CHECKS, RELEASED, SHIFT, EngineRanking, EngineRecords, listed, ratio, verdict
 from reports.charts.moving import moving_scheme
 from reports.document import numbers
 from reports.document.parts import (
@@ -30,6 +32,7 @@ from reports.document.parts import (
     Section,
     Table,
     TableCell,
+    Widget,
     Words,
 )
 from reports.document.templates import lines, sentence
@@ -87,6 +90,18 @@ def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
 # The first page of a report: the verdict, the engines, a card for every mechanism, what was run.
 
 
+FIRST_SHOWN: Final = "Mkr/Peq"  # of the picture
+LEAST, COLOURS = 1e-16, 6  # of an error that is drawn; of the palette
+MARKS: Final = {Setting.NAIVE.value: "circle-open", Setting.TUNED.value: "square", Setting.BEST.value: "star"}
+SIGNS: Final = {Setting.NAIVE.value: "○", Setting.TUNED.value: "■", Setting.BEST.value: "★"}
+LAYOUT: Final[Mapping[str, Any]] = {
+    "height": 400,
+    "showlegend": False,
+    "hovermode": "closest",
+    "margin": {"l": 70, "r": 70, "t": 8, "b": 48},
+    "xaxis": {"type": "log", "title": {"text": "time of a run, s"}, "exponentformat": "power", "dtick": 1},
+    "yaxis": {"type": "log", "title": {"text": "largest error / peak"}, "exponentformat": "power", "dtick": 2},
+}
 FILE, TITLE = "index.html", "Overview"
 PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 
@@ -95,7 +110,7 @@ def index(
     results: Results | None,
     sheets: Sequence[Sheet],
     studies: tuple[Words, ...] = (),
-    cost: tuple[Part, ...] = (),
+    cost: tuple[Paragraph, ...] = (),
 ) -> Page:
     """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
 
@@ -107,7 +122,8 @@ def index(
         title=TITLE,
         heading=_page_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=(*_verdict(results, trust), *cost, *((Bullets(studies),) if studies else ())),
+        parts=(*_verdict(results, trust, cost), *((Bullets(studies),) if studies else ())),
+        charts=trust is not None and "judgement" not in trust.results.document,
         sections=(
             *(_engines_section(results, trust) if results is not None and trust is not None else ()),
             *(_mechanisms_section(trust, sheets) if sheets else ()),
@@ -123,11 +139,16 @@ def _page_heading(results: Results | None) -> str:
     return "Is this simulation right?" if words else "Which engine to trust for which quantity?"
 
 
-def _verdict(results: Results | None, trust: EngineRanking | None) -> tuple[Part, ...]:
-    """The verdict on the engines, or the judgement of another tool's results."""
+def _verdict(results: Results | None, trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterator[Part]:
+    """The verdict on the engines with its picture, or the judgement of another tool's results."""
     judgement = results.document.get("judgement") if results is not None else None
-    words = judgement or (verdict(trust) if trust else ())
-    return tuple(Paragraph(line, "lead" if number else "verdict") for number, line in enumerate(words))
+    first, *others = judgement or (verdict(trust) if trust else ()) or ("",)
+    if first:
+        yield Paragraph(first, "verdict")
+    if trust is not None and not judgement:
+        yield picture(trust)
+    yield from (Paragraph(line, "lead") for line in others)
+    yield from cost
 
 
 def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
@@ -142,43 +163,88 @@ def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, .
     return (Section("engines", "The engines", (*parts, *changes_table(results.changes))),)
 
 
+def picture(trust: EngineRanking) -> Widget:
+    """Error against time, a dot for every engine and setting, for a family of quantities that is chosen."""
+    names = sorted((name for name in trust.families if name not in (RELEASED, CHECKS)), key=FIRST_SHOWN.__ne__)
+    figures = [{"name": name, "data": list(_traces(trust, name)), "layout": LAYOUT} for name in names]
+    words = sentence("index_picture", settings=[(name, SIGNS[name]) for name in trust.settings if name in SIGNS])
+    data = {"what": "Quantity", "figures": figures, "words": words}
+    return Widget("figures", "picture", "Largest error against the time of a run", data, instead=())
+
+
+def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
+    """The dots of every engine, which have their worst error's curve behind them."""
+    for number, engine in enumerate(sorted(trust.engines)):
+        cells = {setting: trust.cell(engine, setting, name) for setting in trust.settings}
+        known = {setting: cell for setting, cell in cells.items() if cell.error is not None and cell.worst is not None}
+        times = {setting: trust.seconds(engine, setting) or 0.0 for setting in known}
+        shown = [setting for setting in known if times[setting]]
+        ink = "ink:muted" if engine in trust.controls else f"ink:c{number % COLOURS}"
+        yield {
+            "type": "scatter",
+            "mode": "lines+markers+text",
+            "x": [times[setting] for setting in shown],
+            "y": [max(known[setting].error or 0.0, LEAST) for setting in shown],
+            "text": [engine if setting == shown[0] else "" for setting in shown],
+            "textposition": "middle right",
+            "cliponaxis": False,
+            "textfont": {"color": ink},
+            "line": {"color": ink, "width": 0.6},
+            "marker": {"color": ink, "size": 10, "symbol": [MARKS.get(setting, "circle") for setting in shown]},
+            "hovertext": [
+                f"<b>{engine} {setting}</b><br>{numbers.error(known[setting].error)} of the peak at most in "
+                f"{numbers.seconds(times[setting])}"
+                for setting in shown
+            ],
+            "hoverinfo": "text",
+            "customdata": [leads_to(trust, known[setting].worst) for setting in shown],
+        }
+
+
+def leads_to(trust: EngineRanking, record: Error | None) -> str:
+    """The address of the curve of an error on its mechanism's page; empty for a check, which has none."""
+    if record is None or record.quantity in trust.checks:
+        return ""
+    linkages = {(linkage.name, linkage.variant): linkage for linkage in trust.results.linkages}
+    return f"{file_of(linkages[record.run[:2]])}#{urlencode({'curve': f'{record.regime}/{record.quantity}'})}"
+
+
 def settings_table(trust: EngineRanking) -> Table:
-    """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
+    """Engines down, settings across: the share within limits, how much of a limit is used at worst, and the time."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
         row: list[TableCell | str] = [engine]
         for setting in trust.settings:
-            row += _error_and_time(trust, engine, setting)
+            row += _share_error_and_time(trust, engine, setting)
         rows.append(row)
     beside = "".join(f", {words}" for words in (concurrency_note(trust.results.document["environment"]),) if words)
     return Table(
-        f"The worst error over its limit, where it is, and the median times of set-up and of stepping{beside}.",
-        ("engine", *(("error / limit", "set-up + stepping") * len(trust.settings))),
+        f"All comparisons of an engine at a setting: the share within limits, the worst, and a run's time{beside}.",
+        ("engine", *(("within limits", "error / limit", "time") * len(trust.settings))),
         rows,
-        groups=(("", 1), *((setting + " (decides nothing)" * trust.is_idle(setting), 2) for setting in trust.settings)),
-        note=sentence("index_settings", has_control=bool(trust.controls)),
+        groups=(("", 1), *((setting + " (decides nothing)" * trust.is_idle(setting), 3) for setting in trust.settings)),
+        note=sentence("index_settings", has_control=bool(trust.controls), shift=SHIFT),
         style="standings",
     )
 
 
-def _error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
-    """Two cells: the worst deviation from the closed form, not of the checks without it, and the time of a run."""
+def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, ...]:
+    """Three cells: how many deviations from the closed form are within limits, the worst one, and the time of a run."""
     records = trust.records(engine, setting)
     own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
     if own.worst is None:
         reason = _first_reason(own)
-        return TableCell(numbers.ABSENT, _failure_style(own), tooltip=reason, note=reason), ""
-    seconds, runs = trust.seconds(engine, setting), max(run.runs for run in trust.runs(engine, setting))
+        return (TableCell(numbers.ABSENT, _failure_style(own), tooltip=reason, note=reason, span=3),)
+    within = sum(not Verdict(record.outcome).failed for record in own.judged)
+    share = TableCell(f"{100.0 * within / len(own.judged):.3g} %", note=f"{within} of {len(own.judged)}")
+    runs = max(run.runs for run in trust.runs(engine, setting))
     place = f"{family_title(own.worst.quantity)}, {own.worst.mechanism}"
-    largest = TableCell(
-        ratio(own.worst),
-        _cell_style(trust, setting, own),
-        note=place,
-        tooltip=sentence("index_worst", record=own.worst),
-    )
+    tooltip = sentence("index_worst", record=own.worst)
+    largest = TableCell(ratio(own.worst), _cell_style(trust, setting, own), note=place, tooltip=tooltip)
     computed = [words for words in computed_or_shared(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records, runs), *computed)))
-    return largest, TableCell(" + ".join(map(numbers.seconds, seconds or ())) or numbers.ABSENT, note=origin)
+    time = trust.seconds(engine, setting)
+    return share, largest, TableCell(numbers.ABSENT if time is None else numbers.seconds(time), note=origin)
 
 
 def _failure_style(records: EngineRecords) -> str:
@@ -196,13 +262,22 @@ def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> s
     return "over" if records.failed else "pass"
 
 
-def families_table(trust: EngineRanking) -> Table:
-    """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
+def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
+    """Engines down, families of quantities across: the largest error of each, the least of a column marked.
+
+    On a page a cell ``leads`` to the curve of its error.
+    """
     rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
         for engine in trust.engines:
             if trust.row(engine, setting):
-                rows.append([engine, setting, *(_family_cell(trust, engine, setting, name) for name in trust.families)])
+                rows.append(
+                    [
+                        engine,
+                        setting,
+                        *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families),
+                    ]
+                )
     return Table(
         "The largest error over the peak, by quantity; the least of each column is marked.",
         ("engine", "setting", *trust.families),
@@ -213,16 +288,17 @@ def families_table(trust: EngineRanking) -> Table:
     )
 
 
-def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str) -> TableCell:
+def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, leads: bool) -> TableCell:
     records = trust.cell(engine, setting, name)
     if records.error is None or records.worst is None:
         return TableCell(
             "✗" if records.failed else numbers.ABSENT, _failure_style(records), tooltip=_first_reason(records)
         )
     best = " best" if name != CHECKS and trust.most_accurate(setting, name) == engine else ""
-    sign = "✗ " if records.failed else ""
+    words = ("✗ " if records.failed else "") + numbers.steady_error(records.error)
+    place = leads_to(trust, records.worst) if leads else ""
     return TableCell(
-        sign + numbers.steady_error(records.error),
+        PageLink(words, place) if place else words,
         _cell_style(trust, setting, records) + best,
         tooltip=sentence("index_worst", record=records.worst),
     )

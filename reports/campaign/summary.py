@@ -41,7 +41,7 @@ def markdown(results: Results) -> str:
     ]
     parts: tuple[Part, ...] = (
         Paragraph(words),
-        Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
+        Section("", "Verdict", (*map(Paragraph, lines), families_table(trust, leads=False))),
         *_section_with_parts("Errors", errors),
         *_section_with_parts("Changes", changes_table(results.changes)),
         Section("", "Limits", (limit_table(results),)),

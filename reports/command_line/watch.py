@@ -98,7 +98,7 @@ class _WatchedFile:
         shown = self._shown or Page("", name, name, "The page follows the file.", (), ())
         if self._fault:
             note = (Paragraph("Below is the linkage before this fault.", "small"),) if self._shown else ()
-            shown = replace(shown, parts=(Paragraph(self._fault, "verdict banner"), *note, *shown.parts))
+            shown = replace(shown, parts=(Paragraph(self._fault, "banner"), *note, *shown.parts))
         with TemporaryDirectory() as place:
             folder = Path(place)
             html.write_assets(folder)
@@ -146,7 +146,7 @@ class PageServer(ThreadingHTTPServer):
                 oldest = next(iter(self._open))
                 del self._open[oldest]
                 oldest.shutdown(SHUT_RDWR)
-        super().process_request(request, client_address)  # type: ignore[arg-type]
+        super().process_request(request, client_address)
 
     def shutdown_request(self, request: socket) -> None:  # type: ignore[override]
         """End a request, which is none of the open ones any more."""

@@ -51,7 +51,7 @@ class Paragraph:
     """A paragraph; ``role`` is its purpose, ``colour`` a style of the terminal."""
 
     words: Words
-    role: Literal["", "lead", "verdict", "small"] = ""
+    role: Literal["", "lead", "verdict", "small", "banner"] = ""
     colour: str = ""
 
 

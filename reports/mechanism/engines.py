@@ -42,12 +42,16 @@ def engines_section(view: View) -> Section:
     """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file."""
     judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
     parts: list[Part] = [PageFigure(anchor("judged", c.name), c.caption, c.caption, judged_chart([c])) for c in judged]
-    parts += [chart(view)] if any(map(view.shown_setting, view.regimes)) else []
     parts += [errors_section(view, regime) for regime in view.regimes]
     if is_imported(view):
         return Section("engines", "Every error", tuple(parts))
     runs = tuple(_runs_table(view, regime) for regime in view.regimes)
     return Section("engines", "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
+
+
+def errors_chart_widget(view: View) -> tuple[Widget, ...]:
+    """All errors and curves of a mechanism; none where no run gave an error."""
+    return (chart(view),) if any(map(view.shown_setting, view.regimes)) else ()
 
 
 def is_imported(view: View) -> bool:
@@ -293,6 +297,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
         "setting": view.shown_setting(regime),
         "quantities": [
             {
+                "name": name,
                 "title": view.title(name),
                 "short": short_title(name),
                 "unit": first[name].unit,

@@ -31,10 +31,10 @@ from reports.document.parts import (
 from reports.document.templates import lines, sentence
 from reports.live import live_widget, model_of
 from reports.mechanism import designer
-from reports.mechanism.engines import engines_section
+from reports.mechanism.engines import engines_section, errors_chart_widget
 from reports.mechanism.published import published_section
 from reports.mechanism.shown import figures_table, key_table, open_end_note, page_figure, panel, required_table
-from reports.records import anchor, views
+from reports.records import View, anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
 
@@ -111,7 +111,7 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
         title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
-        parts=(*_verdict(results), *_first_look(sheet)),
+        parts=(*_verdict(results), *_errors(sheet, results), *_first_look(sheet)),
         sections=tuple(_sections(sheet, results)),
         charts=results is not None,
     )
@@ -121,6 +121,19 @@ def _verdict(results: Results | None) -> tuple[Part, ...]:
     """The verdict on a judged file and its causes."""
     words = results.document.get("judgement", []) if results else []
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
+
+
+def _ran(sheet: Sheet, results: Results | None) -> list[View]:
+    """The view of a sheet's linkage among results, if they have it."""
+    mine = sheet.name, sheet.variant
+    every = views(results) if results else ()
+    return [view for view in every if (view.linkage.name, view.linkage.variant) == mine][:1]
+
+
+def _errors(sheet: Sheet, results: Results | None) -> Iterator[Part]:
+    """Every error of the engines on the mechanism, with their curves."""
+    for view in _ran(sheet, results):
+        yield from errors_chart_widget(view)
 
 
 def _first_look(sheet: Sheet) -> Iterator[Part]:
@@ -141,9 +154,7 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
 
 def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     """The designer's, then the engines'; of a file that was judged its errors first."""
-    mine = sheet.name, sheet.variant
-    ran = [view for view in views(results) if (view.linkage.name, view.linkage.variant) == mine] if results else []
-    engines = [engines_section(view) for view in ran[:1]]
+    engines = [engines_section(view) for view in _ran(sheet, results)]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)

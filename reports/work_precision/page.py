@@ -81,6 +81,8 @@ def drawn_error(record: Row) -> float:
     return min(max(record.error_max or 0.0, LEAST), MOST)
 
 
+# Of the places of a regime, of their engines, the cheapest way to each error; none where an engine does not reach it.
+Ways: TypeAlias = "Sequence[Sequence[Sequence[Row | None]]]"
 # Errors that the page begins with, by their places among those wanted.
 NAMED = (0, 1, 4)
 
@@ -91,21 +93,28 @@ def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
         name: [[choices(points) for points in engines(place) if not points.is_control.any()] for place in places]
         for name, places in regimes.items()
     }
-    return tuple(
-        Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: regimes[name]}), count=len(places),
-                           noise=noise,
-                           wins=[(_share(WANTED[column]), _winners(places, column, noise)) for column in NAMED]),
-                  "verdict")
-        for name, places in chosen.items()
-    )  # fmt: skip
+    return tuple(Paragraph(_verdict(name, regimes[name], ways, noise), "verdict") for name, ways in chosen.items())
+
+
+def _verdict(
+    regime: str, group: Sequence[DataFrame], ways: Sequence[Sequence[Sequence[Row | None]]], noise: float
+) -> str:
+    """The cheapest engines under a regime in words; one that is alone the cheapest everywhere is named once."""
+    wins = [(_share(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
+    leaders = {winners[0][0] if len(winners) == 1 and winners[0][2] == len(ways) else "" for _, winners in wins}
+    always = leaders.pop() if len(leaders) == 1 else ""
+    judged = judged_by({regime: group})
+    return sentence(
+        "bench_verdict", regime=regime, judged=judged, count=len(ways), noise=noise, wins=wins, always=always
+    )
 
 
 def _share(error: float) -> str:
     """An error over the peak as a reader says it."""
-    return f"{100.0 * error:g} %" if error >= 0.01 else bound(error)
+    return f"{100.0 * error:g} %" if error >= 1e-3 else bound(error)
 
 
-def _winners(places: Sequence[Sequence[Sequence[Row | None]]], column: int, noise: float) -> list[tuple[str, str, int]]:
+def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, int]]:
     """The engines that are the cheapest somewhere, their times and in how many places, those of most first.
 
     ``places`` have the choices of every engine. All whose times are within the noise of the least are the cheapest.

@@ -1,14 +1,14 @@
 /* Error over cost: mechanism, quantity, cost and engines are chosen; pointing at a point tells all of it. */
 "use strict";
 (() => {
-  // Name, words, a point's value, whether it is the same for all engines.
+  // Name, words, a point's value.
   const AXES = [
-    ["set-up and stepping", "set-up and stepping, s", (one) => one.setup_seconds + one.seconds, true],
-    ["stepping alone", "stepping alone, s", (one) => one.seconds, true],
+    ["set-up and stepping", "set-up and stepping, s", (one) => one.setup_seconds + one.seconds],
+    ["stepping alone", "stepping alone, s", (one) => one.seconds],
     ["all of a run", "set-up, stepping and read-out, s",
-      (one) => one.setup_seconds + one.seconds + one.readout_seconds, true],
-    ["time steps", "time steps, over all runs of a point", (one) => one.steps, true],
-    ["solver work", "the constraint solver's work, in each engine's own unit", (one) => one.solver_work, false],
+      (one) => one.setup_seconds + one.seconds + one.readout_seconds],
+    ["time steps", "time steps, over all runs of a point", (one) => one.steps],
+    ["solver work", "the constraint solver's work, in each engine's own unit", (one) => one.solver_work],
   ];
 
   linkproof.widget("bench", (element, given) => {
@@ -24,11 +24,11 @@
     let data = given.first;
 
     function draw() {
-      const [, title, value, isShared] = AXES[axis.value], { drawn, traces, layout } = linkproof.bench;
+      const [, title, value] = AXES[axis.value], { drawn, traces, layout } = linkproof.bench;
       const asked = data.quantities.find(([key]) => key === quantity.value), on = shown();
       const parts = (colours) => engines.map((engine) => drawn(
         data, asked, value, { ...engine, isOn: on.includes(engine.label) }, colours));
-      linkproof.plot(plot, (colours) => traces(parts(colours), isShared, colours),
+      linkproof.plot(plot, (colours) => traces(parts(colours)),
         (colours) => layout(parts(colours), title));
     }
 

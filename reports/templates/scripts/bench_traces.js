@@ -49,14 +49,9 @@ linkproof.bench = (() => {
       const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
       found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,
         hovertext: points.map((one) => one.text), marker: { color: colour, size, symbol, line: edge } }));
-      const [ends, order] = sweep.ends[quantity[0]] || [], least = points.reduce((a, b) => (b.y < a.y ? b : a));
-      const words = [order && `order ${order.toFixed(1)}`, ends?.startsWith("floor") && "floor"].filter(Boolean);
-      found.push(line([least], colour, {}, { visible, mode: "text", text: [words.join(", ")],
-        textposition: "bottom left", textfont: { color: colour, size: 12 } }));
     });
-    const fronts = kinds.map(front);
-    fronts.forEach((points, kind) => found.push(line(points, colour, { width: 3, dash: DASHES[kind] }, { visible })));
-    return { engine, colour, found, fronts, least: Math.min(...found.flatMap((trace) => trace.y)) };
+    kinds.map(front).forEach((points, kind) => found.push(line(points, colour, { width: 3, dash: DASHES[kind] }, { visible })));
+    return { engine, colour, found, least: Math.min(...found.flatMap((trace) => trace.y)) };
   }
 
   /* Names at the right edge, at the heights of the least errors and moved apart where they would touch. */
@@ -69,13 +64,7 @@ linkproof.bench = (() => {
         font: { color: colour, size: 13 } }));
   }
 
-  /* The front over all engines that are shown, where their costs can be compared, and all else above it. */
-  function traces(parts, isShared, colours) {
-    const ranked = parts.filter(({ engine }) => engine.isOn && !engine.isControl);
-    const broad = (dash, kind) => line(front(ranked.flatMap((one) => one.fronts[kind])), colours.reference,
-      { width: 9, shape: "hv", dash }, { opacity: 0.45 });
-    return [...(isShared ? DASHES.map(broad) : []), ...parts.flatMap((one) => one.found)];
-  }
+  const traces = (parts) => parts.flatMap((one) => one.found);
 
   function layout(parts, title) {
     const heights = parts.flatMap((one) => one.found.flatMap((trace) => trace.y)).map(Math.log10);

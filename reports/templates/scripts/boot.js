@@ -121,20 +121,7 @@ window.linkproof = (() => {
     }
   }
 
-  /* In a file that holds a whole report, one page of it is shown at a time: the one that the address leads to. */
-  function showPage() {
-    const links = [...document.querySelectorAll(".pages a")], main = document.getElementById("main");
-    if (!links.length || links.some((link) => !link.getAttribute("href").startsWith("#"))) return;
-    const pages = links.slice(1).map((link) => document.getElementById(link.hash.slice(1)));
-    const place = document.getElementById(decodeURIComponent(location.hash.slice(1))) ?? main;
-    const shown = pages.find((page) => page.contains(place)) ?? main;
-    for (const part of main.children) part.hidden = shown === main ? pages.includes(part) : part !== shown;
-    for (const link of links) link.ariaCurrent = link.hash === `#${shown.id}` ? "page" : null;
-    if (place === shown) window.scrollTo(0, 0); else place.scrollIntoView();
-  }
-
   function begin() {
-    showPage();
     startAll();
     stops();
   }
@@ -148,7 +135,6 @@ window.linkproof = (() => {
   dark.addEventListener("change", redraw);
   window.matchMedia("print").addEventListener("change", redraw);
   document.addEventListener("DOMContentLoaded", begin);
-  window.addEventListener("hashchange", begin);
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
   return { widget, load, loaded, unpacked, plot, colours, saveButton, redrawn };

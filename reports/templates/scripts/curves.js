@@ -60,6 +60,21 @@
         draw(curvePlot(data, at, at.quantities[quantity.value], curves, { ...shown, axis: axis.value }));
       }, (error) => { words.textContent = `${error.message}: write the report again.`; });
     }
-    show();
+
+    /* The curves that the address asks for, by regime and quantity. */
+    function follow() {
+      const [name, ...rest] = new URLSearchParams(location.hash.slice(1)).get("curve")?.split("/") ?? [];
+      const n = data.regimes.findIndex((one) => one.name === name);
+      const wanted = n < 0 ? -1 : data.regimes[n].quantities.findIndex((one) => one.name === rest.join("/") && one.curves);
+      if (wanted >= 0) {
+        regime.value = n;
+        offerQuantities();
+        quantity.value = wanted;
+        element.scrollIntoView();
+      }
+      show();
+    }
+    window.addEventListener("hashchange", follow);
+    follow();
   });
 })();

@@ -37,8 +37,18 @@ def section(page, key):
 
 
 def test_the_verdict_stands_before_every_section(page):
-    assert [part.role for part in page.parts[:3]] == ["verdict", "lead", "lead"]
-    assert page.parts[0].words.startswith("Trust alpha and beta")
+    assert [part.role for part in page.parts if isinstance(part, Paragraph)] == ["verdict", "lead"]
+    assert page.parts[0].words.startswith("alpha and beta, once tuned, pass every comparison")
+
+
+def test_a_picture_has_a_dot_for_every_engine_and_setting_that_leads_to_its_worst_curve(page):
+    figures = page.parts[1].data["figures"]
+    assert figures[0]["name"] == "Mkr/Peq"
+    alpha, beta, gamma = figures[0]["data"]
+    assert [len(one["x"]) for one in (alpha, beta, gamma)] == [3, 3, 0]
+    assert all(0.0 < error < 10.0 for error in beta["y"])
+    assert alpha["customdata"][0].startswith("mechanisms/")
+    assert "#curve=run-up%2F" in alpha["customdata"][0]
 
 
 def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, sheets):

@@ -9,13 +9,13 @@ from comparisons.motion.thinning import EXTREMES, WORST
 from comparisons.trials.judging.records import Verdict
 from engines.contract import Setting
 from reports.document.chart import packed
-from reports.document.parts import Table, TableCell, Widget
+from reports.document.parts import Table, TableCell
 from reports.mechanism.engines import (
     MARKERS,
     chart_data,
     curves,
-    engines_section,
     errors_chart,
+    errors_chart_widget,
     errors_section,
 )
 from reports.records import views
@@ -38,8 +38,7 @@ def words(cell):
 
 
 def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
-    section = engines_section(views(results)[0])
-    (chart,) = (part for part in section.parts if isinstance(part, Widget))
+    (chart,) = errors_chart_widget(views(results)[0])
     assert [regime["name"] for regime in chart.data["regimes"]] == ["run-up", "run-up-quintic"]
     assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
     assert chart.data["first"] not in chart.further
