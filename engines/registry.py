@@ -205,7 +205,9 @@ def _not_installed_sentence(package: str, extra: str) -> str:
 
 
 def _how_to_install(package: str, extra: str) -> str:
-    return f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
+    wanted = extra or package
+    is_extra = wanted in (metadata.metadata("linkproof").get_all("Provides-Extra") or ())
+    return f"pip install --upgrade '{f'linkproof[{wanted}]' if is_extra else package}' brings it"
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:

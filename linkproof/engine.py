@@ -12,7 +12,7 @@ from engines.contract import (
 )  # fmt: skip
 from engines.scene import (
     AppliedForce, AppliedTorque, Body, Channel, Cylinder, Free, PinJoint, PointSpring, Prescribed, Scene, SliderJoint,
-    SlotJoint, TurnDamper,
+    SlotJoint, Travel, TurnDamper, TurnSpring,
 )  # fmt: skip
 from engines.stepping.intervals import DivergedError, UnsupportedError
 from engines.stepping.stepped_engine import LoopEngine, plain_law
@@ -22,5 +22,6 @@ __all__ = [
     "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "Course", "Cylinder", "DivergedError",
     "DriverKind", "Engine", "Free", "History", "LoopEngine", "Method", "Origin", "Outcome", "PinJoint", "PointSpring",
     "Prescribed", "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint",
-    "SteppedEngine", "StudiedEngine", "TurnDamper", "UnsupportedError", "parametrize_engine_checks", "plain_law",
+    "SteppedEngine", "StudiedEngine", "Travel", "TurnDamper", "TurnSpring", "UnsupportedError",
+    "parametrize_engine_checks", "plain_law",
 ]  # fmt: skip

@@ -225,7 +225,8 @@ def remedy(run: Iterable[Error]) -> str:
         return ""
     if over[0].setting == Setting.NAIVE:
         return "the engine's default step or softness leaves this error: use the setting tuned"
-    return f"run 'linkproof engines {over[0].engine} --check', and if it passes shorten the step"
+    check = f"run 'linkproof engines {over[0].engine} --check'"
+    return f"{check}, and if it passes shorten the step or give its solver more iterations"
 
 
 def _limit(record: Error, limits: LimitTable) -> tuple[float, str]:

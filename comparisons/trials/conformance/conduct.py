@@ -22,7 +22,7 @@ from comparisons.trials.observed_motion import DENSE
 from comparisons.trials.runs.run_engine import AdapterError, blamed_on, run_engine
 from engines.contract import Origin, Outcome, Run, Setting
 from engines.registry import check_adapter, silenced
-from engines.scene import GUIDES, LOADS, Channel, Drive, Prescribed, Scene
+from engines.scene import GUIDES, Channel, Drive, Load, Prescribed, Scene
 
 # Whose limit a channel of every body and joint has: that of the quantity read from it.
 LIMIT_QUANTITIES = {
@@ -33,6 +33,7 @@ LIMIT_QUANTITIES = {
     Channel.JOINT_FORCE: "joint_force",
 }
 ROUNDING_FACTOR = 1.0 + 1e-6
+CAUSES = "a mass, a load, a geometry, the drive's phase, too long a step, or too few iterations of the solver"
 FEW = 0.02  # of all samples: an error of so few is of a place in the motion, not of a mass or a sign
 BESIDE = 4  # samples from the start, or from where two parts meet
 
@@ -67,7 +68,7 @@ def _error_words(worst: SignalError, bound: float) -> str:
     reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
     words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
     if len(over) > FEW * len(time):
-        cause = likeliest_misreading(worst.true, reading.values) or "a mass, a load, a geometry, or too long a step"
+        cause = likeliest_misreading(worst.true, reading.values) or CAUSES
         return f"{words}, {len(over)} of {len(time)} samples over it; {cause}"
     drive, first, last = reading.scene.drive, time[over[0]], time[over[-1]]
     starts = [segment.start for segment in drive.motion.segments[1:]] if isinstance(drive, Prescribed) else []
@@ -125,7 +126,7 @@ def check_identity(trial: EngineTrial) -> None:
         assert all((readout.source, readout.frame, readout.instant)), (
             f"expected a ReadOut of {channel.value} with source, frame and instant, got {readout!r}: give all of them"
         )
-    for name, known in (("drives", get_args(Drive)), ("joints", GUIDES), ("loads", LOADS)):
+    for name, known in (("drives", get_args(Drive)), ("joints", GUIDES), ("loads", get_args(Load))):
         surplus = getattr(can, name) - frozenset(known)
         assert not surplus, f"expected {name} of the contract in the abilities, got {surplus}: name none but those"
 

@@ -7,7 +7,7 @@ imported where it is run.
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -33,6 +33,7 @@ class PluginEngine:
     work_unit: str
     told_version: str | None
     absent: str | None
+    expected_failures: Mapping[str, str]
 
     def version(self) -> str | None:
         """The engine's version; None where it is absent."""
@@ -78,7 +79,8 @@ def _facts(name: str) -> tuple[Any, ...]:
         if isinstance(adapter, registry.Unusable):
             raise adapter.error
         absent, unit = registry.why_unavailable(adapter), getattr(adapter, "work_unit", "")
-        return name, type(adapter).__module__, adapter.is_control, adapter.abilities, unit, adapter.version(), absent
+        facts = type(adapter).__module__, adapter.is_control, adapter.abilities, unit, adapter.version(), absent
+        return name, *facts, dict(getattr(adapter, "expected_failures", {}))
 
 
 def engine(name: str) -> Engine:

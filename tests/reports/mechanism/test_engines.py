@@ -61,10 +61,13 @@ def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
     assert reasons.items[0] == "gone naive; tuned; best – unsupported: gone <cannot> hold this scene."
 
 
+CHECK = "run 'linkproof engines beta --check'"
+
+
 @pytest.mark.parametrize(
     ("setting", "cure"),
     [
-        ("best", "run 'linkproof engines beta --check', and if it passes shorten the step"),
+        ("best", f"{CHECK}, and if it passes shorten the step or give its solver more iterations"),
         ("naive", "the engine's default step or softness leaves this error: use the setting tuned"),
     ],
 )

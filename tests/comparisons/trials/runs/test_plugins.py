@@ -77,6 +77,10 @@ def test_engines_lists_what_cannot_be_loaded(folder):
     assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
 
 
+def test_the_command_knows_what_a_plugin_expects_to_fail(folder):
+    assert plugins.engine("faithful").expected_failures == {"silence": "its licence"}
+
+
 def test_an_import_that_hangs_costs_its_own_engine(folder, monkeypatch):
     monkeypatch.setattr(plugins, "LONGEST_LOADING", Bounds(0.5))
     hanging, faithful = plugins.engines(["hanging", "direct"])
