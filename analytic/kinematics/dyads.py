@@ -49,7 +49,7 @@ class Rod:
     r: Pair
 
     def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
-        self.near, self.far, self.length = outer.near_local, outer.far_local, length
+        self.near, self.far, self.arm, self.length = outer.near_local, outer.far_local, arm, length
         square = length * length
         self.over = (arm[0] / square, arm[1] / square)
 
@@ -66,6 +66,10 @@ class Rod:
     def moment(self, gap: Pair) -> Scalar:
         """The vector product gap × d."""
         return frames.dot(gap, self.r)
+
+    def column(self, link: Pose) -> Pair:
+        """The direction of d, of any length, at a pose of the link."""
+        return frames.across(frames.arm(link, self.arm))
 
     def carried(self, host: Rate, point: Pair) -> Pair:
         """First derivative of the point that counts if the link did not turn."""
@@ -107,6 +111,10 @@ class Rail:
         """The vector product gap × d."""
         return frames.cross(gap, self.e)
 
+    def column(self, link: Pose) -> Pair:
+        """D, which is the same at every pose of the link."""
+        return self.e
+
     def carried(self, host: Rate, point: Pair) -> Pair:
         """First derivative of the host's point that is just now here."""
         self.host_rate = host
@@ -141,6 +149,10 @@ class Strut(Rod):
     def pose(self, vector: Pair) -> None:  # type: ignore[override]
         """It has none; its direction u counts."""
         self.u = (vector[0] / self.length, vector[1] / self.length)
+
+    def column(self, link: Pose) -> Pair:
+        """The direction across it."""
+        return frames.across(self.u)
 
     def carried(self, host: Rate, point: Pair) -> Pair:
         """First derivative of its far end if it did not turn: the length grows with φ."""
@@ -257,6 +269,11 @@ class _PinDyad(_DyadForm):
         first, second = self.sides
         slope, other = self._solved(carried)
         return first.second(links[0], slope), second.second(links[1], other)
+
+    def columns(self, links: Poses) -> tuple[Pair, Pair]:
+        """Directions of d₁ and d₂, of any length, which are parallel in a dead position."""
+        first, second = self.sides
+        return first.column(links[0]), second.column(links[1])
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
         """The unknown rates of both sides, or their slopes."""
@@ -429,6 +446,7 @@ class _SlideDyad(_DyadForm):
     side: Any
     f: Pair
     align: Callable[[], Pose]
+    side_column: Callable[[], Pair]
 
     def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
         super().__init__(dyad, sign, coordinate)
@@ -442,6 +460,10 @@ class _SlideDyad(_DyadForm):
         second = self.align()
         direction = frames.rotated(second[2], second[3], self.inner.turn)
         return frames.pose_through(self.pin, direction, self.far), second
+
+    def columns(self, links: Poses) -> tuple[Pair, Pair]:
+        """Directions of d and f, of any length, which are parallel in a dead position."""
+        return self.side_column(), frames.arm(links[1], self.inner.along)
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:
         """First derivatives of the links' poses from those of the hosts."""
@@ -489,6 +511,10 @@ class RPR(_SlideDyad):
             self.f = frames.rotated(self.determinant * scale, -self.offset * scale, d)
         second: Pose = self.side.pose(self.f)
         return second
+
+    def side_column(self) -> Pair:
+        """The direction across the line of the pins."""
+        return frames.across(self.side.r)
 
     def least_determinant(self) -> Scalar:
         """The determinant up to which A counts as at the foot of the perpendicular from B to the line."""
@@ -543,6 +569,11 @@ class RPP(_SlideDyad):
         second: Pose = rail.pose(frames.point_along(rail.base, travel, rail.e))
         return second
 
+    def side_column(self) -> Pair:
+        """The direction of the rail."""
+        direction: Pair = self.side.e
+        return direction
+
 
 class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
@@ -560,6 +591,10 @@ class _DrivenForm(_PinDyad):
     def seconds(self, hosts: Rates, links: tuple[Pose], rates: tuple[Rate]) -> tuple[Rate]:  # type: ignore[override]
         """Second derivative of the link's pose."""
         return (super().seconds(hosts, links * 2, rates * 2)[self.own],)
+
+    def columns(self, links: tuple[Pose]) -> tuple[Pair, Pair]:  # type: ignore[override]
+        """Directions across the arm, or along the slide, and across the cylinder."""
+        return super().columns(links * 2)
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The cylinder is too short or too long for the link."""

@@ -173,6 +173,11 @@ def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: P
     )
 
 
+def across(vector: Pair) -> Pair:
+    """The vector turned by a quarter of a turn, counter-clockwise."""
+    return (-vector[1], vector[0])
+
+
 def plus(a: Pair, b: Pair) -> Pair:
     """Sum of two vectors."""
     return (a[0] + b[0], a[1] + b[1])

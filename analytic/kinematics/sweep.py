@@ -28,9 +28,6 @@ from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import (
     AnyGroup,
     ClosedGroup,
-    DrivenLink,
-    Dyad,
-    Joint,
     Prismatic,
     Revolute,
     Structure,
@@ -159,10 +156,14 @@ class Sweep:
 
     def determinant(self, dyad: ClosedGroup) -> Scalar:
         """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position."""
+        return self.solver(dyad).form.determinant
+
+    def solver(self, dyad: ClosedGroup) -> DyadSolver:
+        """The dyad's solver, its poses known."""
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
         assert isinstance(solver, DyadSolver)
-        return solver.form.determinant
+        return solver
 
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""
@@ -258,51 +259,14 @@ class Sweep:
 # Of two rods (RRR) it is the angle between them at their common pin (Alt). Of a rod and a slide (RRP) it is the angle
 # between the rod and the slide's normal; of a slide between two pins (RPR) the angle between the line through the pins
 # and the slide's normal; of two slides (RPP, PRP) the angle between them; a cylinder that drives a link counts as its
-# rod. It is the acute angle of the two lines, for
-# 130° push as well as 50°, so that it has a kink where they are square to each other. In each case its sine is the
-# determinant of the dyad's closure equations over the lengths in it.
+# rod. In each case it is the angle between the two columns of the dyad's closure equations, so that its sine is their
+# determinant over the lengths in it; the acute one, for 130° push as well as 50°, with a kink where they are square to
+# each other.
 
 
 def transmission_angle(sweep: Sweep, dyad: ClosedGroup) -> Array:
     """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
-    pair, other = _parallel_when_dead(sweep, dyad)
-    angle = np.arctan2(np.abs(frames.cross(pair, other)), np.abs(frames.dot(pair, other)))  # of the two lines, acute
+    solver = sweep.solver(dyad)
+    first, second = solver.form.columns(solver.link_poses)
+    angle = np.arctan2(np.abs(frames.cross(first, second)), np.abs(frames.dot(first, second)))  # of two lines, acute
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
-
-
-def _parallel_when_dead(sweep: Sweep, dyad: ClosedGroup) -> tuple[Pair, Pair]:
-    """The two directions that are parallel in a dead position."""
-    for link in dyad.links:
-        sweep.poses(link)
-    if isinstance(dyad, DrivenLink):
-        cylinder = dyad.cylinder
-        pin = Revolute("", cylinder.far, cylinder.near, cylinder.far_local, cylinder.near_local)
-        rod = frames.minus(_pin_place(sweep, pin), sweep.local_point(cylinder.near, cylinder.near_local))
-        return _side_direction(sweep, dyad.outer, pin, rods=True), rod
-    assert isinstance(dyad, Dyad)
-    first, inner, second = dyad.joints
-    if isinstance(inner, Revolute):
-        return _side_direction(sweep, first, inner), _side_direction(
-            sweep, second, inner, rods=isinstance(first, Revolute)
-        )
-    slide = _slide_direction(sweep, inner)
-    if isinstance(second, Prismatic):
-        return slide, _slide_direction(sweep, second)
-    assert isinstance(first, Revolute)
-    return frames.minus(_pin_place(sweep, second), _pin_place(sweep, first)), (-slide[1], slide[0])
-
-
-def _side_direction(sweep: Sweep, outer: Joint, inner: Revolute, *, rods: bool = False) -> Pair:
-    """The rod from the inner pin to the outer one; of a slide beside a rod (``rods``) its normal, else its line."""
-    if isinstance(outer, Revolute):
-        return frames.minus(_pin_place(sweep, outer), _pin_place(sweep, inner))
-    x, y = _slide_direction(sweep, outer)
-    return (-y, x) if rods else (x, y)
-
-
-def _pin_place(sweep: Sweep, pin: Revolute) -> Pair:
-    return sweep.local_point(pin.near, pin.near_local)
-
-
-def _slide_direction(sweep: Sweep, slide: Prismatic) -> Pair:
-    return frames.arm(sweep.poses(slide.near), slide.along)
