@@ -6,7 +6,7 @@ import importlib.util
 import math
 import os
 import threading
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,6 +24,7 @@ from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.rounded import RULES
 from analytic.signals import MovingSweep, signal
 
 # Numbers that record the operations on them: the closed form as one straight list of operations.
@@ -72,6 +73,7 @@ class OperationList:
         self.operations: list[Operation] = []
         self.inputs: dict[Hashable, int] = {}  # the line of each
         self._lines: dict[Operation, int] = {}
+        self._plans: dict[object, list[tuple[int, Operation, list[int]]]] = {}
 
     def input(self, name: Hashable) -> Traced:
         """A number that is given from outside, always the same for one name."""
@@ -128,23 +130,66 @@ class OperationList:
 
         ``known`` has values by line, those of all needed inputs among them: arrays that broadcast together.
         """
-        needed = self.lines_needed(outputs, known)
-        last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
-        values = {line: known[line] for line in needed if line in known}
-        numbers = set(outputs)
+        values = dict(known)
         with np.errstate(all="ignore"):
-            for line in needed:
-                if line in values:
-                    continue
-                row = self.operations[line]
-                if row.name == CONSTANT:
-                    values[line] = row.value
-                    continue
-                values[line] = FUNCTIONS[row.name](*(values[other] for other in row.operands))
-                for other in set(row.operands) - numbers:
-                    if last[other] == line:
-                        del values[other]  # memory that stays in the cache
+            for line, row, spent in self._steps(tuple(outputs), frozenset(known)):
+                values[line] = (
+                    row.value
+                    if row.name == CONSTANT
+                    else FUNCTIONS[row.name](*[values[other] for other in row.operands])
+                )
+                for other in spent:
+                    del values[other]  # memory that stays in the cache
         return [values[line] for line in outputs]
+
+    def _steps(self, outputs: tuple[int, ...], known: frozenset[int]) -> list[tuple[int, Operation, list[int]]]:
+        """The lines to compute in order, and which others each is the last to take; the same for every evaluation."""
+        key = (outputs, known, len(self.operations))
+        if key not in self._plans:
+            needed = [line for line in self.lines_needed(outputs, known) if line not in known]
+            last = {other: line for line in needed for other in self.operations[line].operands}
+            spent: dict[int, list[int]] = {line: [] for line in needed}
+            for other in last.keys() - set(outputs):
+                spent[last[other]].append(other)
+            self._plans[key] = [(line, self.operations[line], spent[line]) for line in needed]
+        return self._plans[key]
+
+    def differentiated(
+        self, outputs: Sequence[int], known: Mapping[int, Any], moving: Collection[int]
+    ) -> list[tuple[Any, dict[int, Any]]]:
+        """The values of lines, and of each its derivatives by those of the ``moving`` inputs that it depends on.
+
+        One pass backward over the list for every line (reverse accumulation), by NumPy; ``known`` as for ``evaluate``.
+        """
+        needed = self.lines_needed(outputs)
+        values = dict(zip(needed, self.evaluate(needed, known), strict=True))
+        moved = set(moving)
+        for line in needed:
+            if self.operations[line].name != INPUT and not moved.isdisjoint(self.operations[line].operands):
+                moved.add(line)
+        result = []
+        for output in outputs:
+            slopes: dict[int, Any] = {output: 1.0} if output in moved else {}
+            for line in reversed(needed):
+                if line in slopes and line not in moving:
+                    self._pass_back(line, slopes, values, moved)
+            result.append((values[output], slopes))
+        return result
+
+    def _pass_back(self, line: int, slopes: dict[int, Any], values: Mapping[int, Any], moved: Collection[int]) -> None:
+        """Hand the slope of a line on to the lines that it takes."""
+        row, slope = self.operations[line], slopes.pop(line)
+        arguments = [values[other] for other in row.operands]
+        with np.errstate(all="ignore"):
+            if row.name == "where":
+                partials = (0.0, np.where(arguments[0], 1.0, 0.0), np.where(arguments[0], 0.0, 1.0))
+            elif FUNCTIONS[row.name] in RULES:
+                partials = RULES[FUNCTIONS[row.name]](values[line], *arguments)
+            else:
+                return  # a step
+            for other, partial in zip(row.operands, partials, strict=True):
+                if other in moved:
+                    slopes[other] = slopes.get(other, 0.0) + slope * partial
 
 
 class Traced(NDArrayOperatorsMixin):

@@ -65,7 +65,7 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
         return link
     scale = now / was
 
-    def scaled(name: str, value: Any, factor: Any) -> Any:  # noqa: ANN401 - plain, dual or traced
+    def scaled(name: str, value: Any, factor: Any) -> Any:  # noqa: ANN401 - plain or traced
         return value if f"{link.name}.{name}" in numbers or not value else value * factor
 
     return replace(

@@ -89,7 +89,7 @@ class Law:
         if self.angles is None:
             values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)
             return np.broadcast_to(values.reshape(-1, *([1] * len(shape))), (len(values), *shape))
-        if hasattr(angle, "looked_up"):  # an angle that carries derivatives, or is traced
+        if hasattr(angle, "looked_up"):  # a traced one
             array: NDArray[np.float64] = angle.looked_up(self, order)
             return array
         angle = np.asarray(angle, dtype=float)

@@ -1,9 +1,8 @@
 """Derivatives of a design's signals and figures by numbers of its description, exact where there is a closed form.
 
-The formulas of the closed form are given numbers that carry their derivatives (``analytic.numerics.dual``). An extreme
-moves with the numbers, but since the signal is level there only its value counts: its derivative is that of the signal
-at the place of the extreme, which is a root of the signal's slope over φ. Where two equal tops have
-different derivatives it is nan.
+A signal's list of operations is gone through backward (``analytic.machine_code``). An extreme moves with the numbers,
+but since the signal is level there only its value counts: its derivative is that of the signal at the place of the
+extreme, which is a root of the signal's slope over φ. Where two equal tops have different derivatives it is nan.
 
 Linkages with groups of a higher class, with a driving cylinder or with change points have central differences instead,
 extrapolated to a step of zero; see ``is_exact``.
@@ -12,7 +11,7 @@ extrapolated to a step of zero; see ``is_exact``.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -21,25 +20,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import SPEED, design_numbers, with_numbers
-from analytic.description.linkage import Linkage
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampled_figures import FigureRequest, mean_cells, unwrapped_near
+from analytic.designs.sampled_figures import FigureRequest, mean_cells, sampled_source, unwrapped_near
 from analytic.designs.sampled_signals import checked_parameters, speed_of
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
-from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code import is_traceable
+from analytic.machine_code import PHI, ZERO_OF_S, LinkageTrace, is_traceable, linkage_trace
 from analytic.numerics.averages import averages
-from analytic.numerics.dual import Dual
 from analytic.numerics.refine import ROUNDING, grid, tops
 from analytic.numerics.roots import roots
-from analytic.signals import OUTPUT_COORDINATE, MovingSweep, is_angle, signal
+from analytic.signals import OUTPUT_COORDINATE, MovingSweep, is_angle, is_wrapped, signal
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-LinkageAndStructure = tuple[Linkage, Structure]
+Curve = tuple[Any, Array]  # values of a signal (...), or one, and their derivatives (k, ...)
+STILL: Final[Curve] = (0.0, np.zeros(1))
 
 TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
 STEP: Final = 4e-4  # of a number, the first of its differences
@@ -58,7 +55,11 @@ def signal_values(
 
     Raises AssemblyError where the design cannot be assembled.
     """
-    sweep = _design(mechanism, parameters, speed).plain_sweep(angle)
+    design = _Design(mechanism, parameters, speed)
+    if is_exact(mechanism):
+        coordinates = design.values([OUTPUT_COORDINATE], angle) if "S" in signals else np.zeros(1)
+        return np.stack(design.values(signals, angle, float(np.max(coordinates))))
+    sweep = design.followed.sweep(angle)
     _check_moves(sweep)
     zero_of_s = float(np.max(sweep.output())) if "S" in signals else 0.0
     at = MovingSweep(mechanism, sweep, np.asarray(speed_of(parameters, speed)), np.asarray(0.0), zero_of_s)
@@ -84,12 +85,11 @@ def signal_gradients(
             return signal_values(mechanism, numbers, signals, places, speed=speed)
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
-    design = _design(mechanism, parameters, speed)
-    design.check(places)
-    zero_of_s = design.farthest(places, refine=False) if "S" in signals else 0.0
-    at = design.varied(places, zero_of_s)
-    pairs = [_values_and_slopes(signal(at, name), len(parameters)) for name in signals]
-    return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+    design = _Design(mechanism, parameters, speed)
+    design.values(signals, places)  # refuses one without a motion
+    zero_of_s = design.farthest(places, refine=False) if "S" in signals else STILL
+    values, slopes = zip(*design.curves(signals, places, zero_of_s=zero_of_s), strict=True)
+    return np.stack(values), np.stack(slopes)
 
 
 def figure_gradients(
@@ -109,27 +109,26 @@ def figure_gradients(
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
     if not is_exact(mechanism):
-        _check_moves(_design(mechanism, parameters, speed).plain_sweep(places))
+        _check_moves(_Design(mechanism, parameters, speed).followed.sweep(places))
         period = period_of(mechanism, places)
         return _figure_differences(FigureRequest(mechanism, tuple(figures), places, speed, period, refine), parameters)
-    design = _design(mechanism, parameters, speed)
-    design.check(places)
-    zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else 0.0
+    design = _Design(mechanism, parameters, speed)
+    design.values([quantity.signal for quantity in figures], places)  # refuses one without a motion
+    zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else STILL
     ends = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
     top_of = dict(zip(ends, design.extremes(ends, places, zero_of_s, refine), strict=True))
-    single = design.varied(
-        np.array([quantity.angle for quantity in figures if quantity.reduction is Reduction.AT]), zero_of_s
-    )
+    single = {
+        quantity: design.curves([quantity.signal], np.array(quantity.angle), zero_of_s=zero_of_s)[0]
+        for quantity in figures
+        if quantity.reduction is Reduction.AT
+    }
     averaged = [quantity for quantity in figures if quantity.is_mean]
     top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else zero_of_s
     means = design.means(averaged, places, top)
-    values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
+    values, gradients = np.empty(len(figures)), np.empty((len(figures), len(parameters)))
     for number, figure in enumerate(figures):
         if figure.reduction is Reduction.AT:
-            value, slopes = (
-                part[..., row] for part in _values_and_slopes(signal(single, figure.signal), len(parameters))
-            )
-            row += 1
+            value, slopes = single[figure]
         elif figure.extremes:
             tops = [top_of[end] for end in figure.extremes]
             value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
@@ -151,109 +150,128 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
 
 @once_per_mechanism
-def _latest_designs(_: Mechanism) -> dict[object, _Design]:
-    """The design of a mechanism that was asked for last, by its numbers: an optimiser asks for each several times."""
+def _lists(_: Mechanism) -> dict[object, LinkageTrace]:
+    """Lists of operations of a mechanism by the numbers that vary and the signals."""
     return {}
-
-
-def _design(mechanism: Mechanism, parameters: Mapping[str, float], speed: float) -> _Design:
-    """The design with these numbers."""
-    latest, key = _latest_designs(mechanism), (*parameters.items(), speed)
-    if key not in latest:
-        latest.clear()
-        latest[key] = _Design(mechanism, dict(parameters), speed)
-    return latest[key]
 
 
 @dataclass(frozen=True)
 class _Design:
-    """One design: as plain numbers, and as numbers that carry their derivatives by the parameters."""
+    """One design: its signals and their derivatives by the parameters."""
 
     mechanism: Mechanism
     parameters: Mapping[str, float]
     speed: float
 
-    @cached_property
-    def plain(self) -> LinkageAndStructure:
-        """The design's linkage and structure in plain numbers."""
-        return self._linkage_with_numbers(self.parameters)
+    def _list(self, signals: Iterable[str]) -> LinkageTrace:
+        """The list of operations of signals, of S the output's coordinate."""
+        lists, key = _lists(self.mechanism), (tuple(self.parameters), tuple(map(sampled_source, signals)))
+        if key not in lists:
+            lists[key] = linkage_trace(self.mechanism, *key)
+        return lists[key]
+
+    def _given(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:
+        """Values of the inputs of a list by line, at crank angles, rad."""
+        zero = {ZERO_OF_S: self._zero_of_s[0]} if ZERO_OF_S in listed.trace.inputs else {}
+        return listed.values({**self.parameters, **zero}, places, speed_of(self.parameters, self.speed))
+
+    def curves(self, signals: Sequence[str], places: Array, zero_of_s: Curve = STILL) -> list[Curve]:
+        """Signals at crank angles, rad, of any shape, with their derivatives (parameters, ...).
+
+        S counts from the coordinate ``zero_of_s``, m.
+        """
+        listed, inputs = self._list(signals), self._list(signals).trace.inputs
+        ways: list[dict[int, Any]] = [{inputs[name]: 1.0} for name in self.parameters]
+        if SPEED in self.parameters:
+            ways[[*self.parameters].index(SPEED)] = {inputs[SPEED]: np.sign(self.speed)}
+        if ZERO_OF_S in inputs:
+            ways = [way | {inputs[ZERO_OF_S]: slope} for way, slope in zip(ways, self._zero_of_s[1], strict=True)]
+        return self._moved(listed, signals, places, ways, zero_of_s)
+
+    def over_phi(self, signals: Sequence[str], places: Array, zero_of_s: float) -> list[Curve]:
+        """Signals at crank angles, rad, with their derivatives over φ, (1, ...)."""
+        listed = self._list(signals)
+        laws = {line: name for name, line in listed.trace.inputs.items() if isinstance(name, tuple)}
+        way = {line: law(places, order + 1)[component] for line, (law, order, component) in laws.items()}
+        way |= {listed.trace.inputs[PHI]: 1.0}
+        return self._moved(listed, signals, places, [way], (zero_of_s, np.zeros(1)))
+
+    def _moved(
+        self, listed: LinkageTrace, signals: Sequence[str], places: Array, ways: Sequence[dict[int, Any]], zero: Curve
+    ) -> list[Curve]:
+        """Signals with their derivatives in some ways: of each the change of the inputs by their lines."""
+        moving = {line for way in ways for line in way}
+        rows = listed.trace.differentiated(listed.signals, self._given(listed, places), moving)
+        result = []
+        for name, (value, slopes) in zip(signals, rows, strict=True):
+            rises = [
+                sum((slopes[line] * change for line, change in way.items() if line in slopes), 0.0) for way in ways
+            ]
+            full = np.stack([np.broadcast_to(rise, places.shape) for rise in rises])
+            if name == "S":
+                full = zero[1].reshape(-1, *[1] * places.ndim) - full
+            result.append((self._shown(name, value, places, zero[0]), full))
+        return result
+
+    def values(self, signals: Sequence[str], places: Array, zero_of_s: float = 0.0) -> list[Array]:
+        """Signals at crank angles, rad, of any shape; S counts from the coordinate ``zero_of_s``, m.
+
+        Raises AssemblyError where the design has no motion at one of the places.
+        """
+        listed = self._list(signals)
+        *rows, moves = listed.trace.evaluate([*listed.signals, listed.moves], self._given(listed, places))
+        if not np.all(moves):
+            linkage = with_numbers(self.mechanism.linkage, self.parameters)
+            signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
+            _check_moves(Sweep(linkage, find_structure(linkage).with_signs(signs), places))
+        return [self._shown(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
+
+    def _shown(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
+        """A signal from its line: of S the coordinate, of a link's angle what lies within a turn."""
+        full = np.broadcast_to(value, places.shape)
+        if name == "S":
+            return zero_of_s - full
+        return np.unwrap(full) if places.ndim and is_wrapped(name, self.mechanism.linkage) else full
 
     @cached_property
-    def _numbers_with_slopes(self) -> dict[str, Dual]:
-        seeds = np.eye(len(self.parameters))
-        return {n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)}
-
-    @cached_property
-    def _with_derivatives(self) -> LinkageAndStructure:
-        return self._linkage_with_numbers(self._numbers_with_slopes)
-
-    def _linkage_with_numbers(self, numbers: Mapping[str, Any]) -> LinkageAndStructure:
-        linkage = with_numbers(self.mechanism.linkage, numbers)
-        signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
-        return linkage, find_structure(linkage).with_signs(signs)
-
-    def _moving(self, model: LinkageAndStructure, angle: Any, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
-        """The design in motion at crank angles, rad; S counts from the coordinate ``zero_of_s``, m."""
-        speed = speed_of(self._numbers_with_slopes if model is self._with_derivatives else self.parameters, self.speed)
-        return MovingSweep(self.mechanism, self.sweep(model, angle), speed, np.asarray(0.0), zero_of_s)
-
-    def check(self, places: Array) -> None:
-        """Raise AssemblyError where the design has no motion at one of the places."""
-        _check_moves(self.plain_sweep(places))
-
-    @cached_property
-    def _followed(self) -> Mechanism:
+    def followed(self) -> Mechanism:
         """The design by itself, for a mechanism whose assembly modes have to be followed."""
         return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, self.parameters))
-
-    def plain_sweep(self, places: Array) -> Sweep:
-        """The design at crank angles, rad, in plain numbers."""
-        return self.sweep(self.plain, places) if is_exact(self.mechanism) else self._followed.sweep(places)
-
-    def sweep(self, model: LinkageAndStructure, angle: Any) -> Sweep:  # noqa: ANN401 - plain or dual
-        """The design at crank angles, rad."""
-        is_plain = model is self.plain
-        return Sweep(*model, angle, zero_of_s=lambda: self._zero_of_s.value if is_plain else self._zero_of_s)
 
     @property
     def _mechanism_of_loads(self) -> Mechanism:
         """A mechanism in which loads have their corners where they have them in this design."""
         moves = self.mechanism.linkage.has_loads_of_output
-        return self.mechanism.redesigned(self.plain[0]) if moves else self.mechanism
+        return self.followed if moves else self.mechanism
 
     @cached_property
-    def _zero_of_s(self) -> Dual:
+    def _zero_of_s(self) -> Curve:
         """The output's coordinate at the top dead centre, m, from which loads over S count, with its derivatives."""
         return self.farthest(grid(), refine=True)
 
-    def varied(self, places: Array, zero_of_s: Any) -> MovingSweep:  # noqa: ANN401 - a dual
-        """The design in motion at crank angles, rad, in numbers that carry their derivatives."""
-        return self._moving(self._with_derivatives, places, zero_of_s)
-
-    def farthest(self, places: Array, refine: bool) -> Dual:
+    def farthest(self, places: Array, refine: bool) -> Curve:
         """The output's highest coordinate, with its derivatives."""
-        ((value, slopes),) = self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), places, 0.0, refine)
-        return Dual(value, slopes)
+        return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), places, STILL, refine)[0]
 
     def extremes(
         self,
         extremes: Sequence[SignalExtreme],
         places: Array,
-        zero_of_s: Any,  # noqa: ANN401 - a dual
+        zero_of_s: Curve,
         refine: bool,
-    ) -> list[tuple[Array, Array]]:
+    ) -> list[Curve]:
         """Value of every extreme and its derivatives (parameters,)."""
         if not extremes:
             return []
         grid = _with_period_end(places, self.mechanism.linkage.load_period) if refine else places
-        top = zero_of_s.value if isinstance(zero_of_s, Dual) else zero_of_s
-        plain = self._moving(self.plain, grid, top)
-        sampled = np.stack([signal_extreme.height(signal(plain, signal_extreme.signal)) for signal_extreme in extremes])
-        curve, places = self._find_tops(extremes, grid, sampled, top, refine)
-        at = self.varied(places, zero_of_s)
+        signals = [extreme.signal for extreme in extremes]
+        rows = zip(extremes, self.values(signals, grid, zero_of_s[0]), strict=True)
+        sampled = np.stack([extreme.height(values) for extreme, values in rows])
+        curve, places = self._find_tops(extremes, grid, sampled, zero_of_s[0], refine)
         tops = []
-        for row, extreme in enumerate(extremes):
-            values, slopes = _values_and_slopes(signal(at, extreme.signal), len(self.parameters))
+        for row, (extreme, (values, slopes)) in enumerate(
+            zip(extremes, self.curves(signals, places, zero_of_s), strict=True)
+        ):
             is_its = curve == row
             tops.append(
                 _highest_top(
@@ -262,23 +280,22 @@ class _Design:
             )
         return tops
 
-    def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
+    def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
-        known, count = self._moving(self.plain, places, 0.0), len(self.parameters)
-        near = {quantity.signal: signal(known, quantity.signal) for quantity in figures if is_angle(quantity.signal)}
+        count, signals = len(self.parameters), [quantity.signal for quantity in figures]
+        known = dict(zip(signals, self.values(signals, places), strict=True))
+        near = {name: values for name, values in known.items() if is_angle(name)}
 
         def integrands(_: object, phi: Array) -> Array:
             """Integrands of the means and their derivatives, and reciprocals of the determinants for spikes."""
-            at = self.varied(phi, zero_of_s)
-            curves = [(quantity, signal(at, quantity.signal)) for quantity in figures]
-            turned = [
-                quantity.integrand(unwrapped_near(row, phi, places, near.get(quantity.signal)))
-                for quantity, row in curves
-            ]
-            pairs = [_values_and_slopes(row, count) for row in turned]
-            sizes = [_values_and_slopes(abs(at.sweep.determinant(dyad)), 0)[0] for dyad in at.sweep.structure.dyads]
-            spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
-            return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
+            rows: list[Array] = []
+            for quantity, (values, slopes) in zip(figures, self.curves(signals, phi, zero_of_s), strict=True):
+                turned = unwrapped_near(values, phi, places, near.get(quantity.signal))
+                factor = turned if quantity.reduction is Reduction.RMS else 1.0
+                rows += [quantity.integrand(turned), *(factor * slopes)]
+            listed = self._list(signals)
+            sizes = listed.trace.evaluate(listed.determinants, self._given(listed, phi))
+            return np.stack([*rows, *(1.0 / np.broadcast_to(size, phi.shape) for size in sizes)])
 
         ends = _with_period_end(places, self.mechanism.linkage.load_period)
         means = averages(integrands, mean_cells(ends, self._mechanism_of_loads))[:, 0].tolist() if figures else []
@@ -286,7 +303,7 @@ class _Design:
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
             if figure.reduction is Reduction.RMS:  # none is below zero, where it is level or has a kink
-                slopes = 0.5 * slopes / value if value else np.zeros(count)
+                slopes = slopes / value if value else np.zeros(count)
             result[figure] = value, slopes
         return result
 
@@ -300,10 +317,9 @@ class _Design:
 
         def slope(angle: Array) -> Array:
             """Slope of each top's own height over φ."""
-            at = self._moving(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
             rises = np.empty(angle.shape)
-            for number, extreme in enumerate(extremes):
-                values, slopes = _values_and_slopes(signal(at, extreme.signal), 1)
+            curves = self.over_phi([extreme.signal for extreme in extremes], angle, top)
+            for number, (extreme, (values, slopes)) in enumerate(zip(extremes, curves, strict=True)):
                 is_its = sampled_tops.curve == number
                 rises[is_its] = (extreme.side(values) * slopes[0])[is_its]
             return rises
@@ -352,13 +368,6 @@ def _highest_top(
     tied = rises[:, heights >= highest - TIE * largest]
     apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest
     return values[first], np.where(apart, np.nan, slopes[:, first])
-
-
-def _values_and_slopes(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - plain or dual
-    """Values and derivatives; those of a plain number are zero."""
-    if isinstance(number, Dual):
-        return number.value, number.full
-    return number, np.zeros((count, *np.shape(number)))
 
 
 def _with_period_end(places: Array, period: float) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from analytic.designs.sampled_signals import (
 from analytic.dynamics.reduced import load_corners
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import SAME, averages
-from analytic.numerics.dual import Dual
 from analytic.numerics.refine import Tops, highest_tops, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
@@ -333,7 +332,7 @@ def mean_cells(grid: Array, mechanism: Mechanism) -> Array:
     return np.union1d(np.linspace(grid[0], grid[-1], CELLS + 1), load_corners(mechanism, grid[0], grid[-1]))
 
 
-def unwrapped_near(values: Any, phi: Array, places: Array, samples: Array | None) -> Any:  # noqa: ANN401 - plain or dual
+def unwrapped_near(values: Array, phi: Array, places: Array, samples: Array | None) -> Array:
     """Values at ``phi`` (..., n) with whole turns added, as the unwrapped ``samples`` at ``places`` have them.
 
     Without ``samples``, for signals that are no angles of links, the values as they are.
@@ -342,5 +341,4 @@ def unwrapped_near(values: Any, phi: Array, places: Array, samples: Array | None
         return values
     here = np.searchsorted(places, phi, "right") - 1
     known = samples[here] if samples.ndim == 1 else np.take_along_axis(samples, here, 1)
-    plain = values.value if isinstance(values, Dual) else values
-    return values + FULL_TURN * np.round((known - plain) / FULL_TURN)
+    return np.asarray(values + FULL_TURN * np.round((known - values) / FULL_TURN))

@@ -317,7 +317,7 @@ def designs_stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
 # Parameters of designs: known names, equal lengths, possible values.
 
 
-def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or dual
+def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or arrays
     """The driver's signed speed, rad/s or m/s: the designs' own, with the sign of ``speed``, or ``speed`` itself."""
     return numbers[SPEED] * np.sign(speed) if SPEED in numbers else np.asarray(speed)
 

@@ -22,7 +22,7 @@ from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.group_equations import jacobian, point_derivative, residuals
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import FIXED, Sweep, crank_motion
-from analytic.numerics.dual import EPS, Rounded, bound_of
+from analytic.numerics.rounded import EPS, Rounded, bound_of
 
 Array = NDArray[np.float64]
 ORDERS: Final = 3

@@ -3,9 +3,9 @@
 Vectors are pairs (x, y) of floats or arrays that go together. A pose is (x, y, c, s): origin and cosine and sine of the
 frame's angle. A rate is (x', y', θ'), an acceleration (x'', y'', θ''); primes are d/dφ.
 
-The functions take floats, arrays, numbers that carry their derivatives (``analytic.numerics.dual``) and traced numbers,
-which record operations (``analytic.machine_code``). ``is_zero``, ``is_one``, ``is_origin`` and ``is_still``
-spare them the work with constants that are zero.
+The functions take floats, arrays, numbers that carry their errors (``analytic.numerics.rounded``) and traced numbers,
+which record operations (``analytic.machine_code``). ``is_zero``, ``is_one``, ``is_origin`` and ``is_still`` spare them
+the work with constants that are zero.
 """
 
 from __future__ import annotations

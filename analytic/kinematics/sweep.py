@@ -233,7 +233,7 @@ class Sweep:
         along = frames.dot(output.along, (x, y))
         return np.broadcast_to(along, self.angle.shape)
 
-    def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain, dual or traced
+    def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain or traced
         """Components of a law of a force or a torque, SI; at rest as if φ grew."""
         parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
         if law.when is None:

@@ -19,6 +19,7 @@ SETTLED: Final = 1e-10  # by which a round has to lower the aim for another one 
 STATIONARY: Final = 1e-7  # residual of a design from which no way leads down
 SMALLEST: Final = 1e-6  # part of the bounds in which a lower design is still looked for
 STEPS: Final = 60
+ENOUGH: Final = 1e-9  # of a violation, to which it is lowered where a constraint does not hold
 APART: Final = 1e-6  # shares of the aim by which two ends are different
 OUT_OF_REACH: Final = 10.0  # penalty, scaled, of a design that cannot be assembled
 ACTIVE: Final = 1e-7
@@ -139,10 +140,10 @@ class Descent:
                 "jac": lambda z: np.column_stack([designs(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
             })  # fmt: skip
         box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
-        first, least = (end.aim, None) if end.is_feasible else (end.violation, 0.0)
+        first, least, exactness = (end.aim, None, 1e-15) if end.is_feasible else (end.violation, 0.0, ENOUGH)
         result = minimize(
             lambda z: z[-1], np.append(end.place, first), jac=lambda _: column, bounds=[*box, (least, None)],
-            constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": 1e-15},
+            constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": exactness},
         )  # fmt: skip
         place = np.asarray(result.x[:-1])
         try:

@@ -59,7 +59,7 @@ def by_every_path(sample, places, chosen):
     return {
         "numpy": np.stack(list(evaluate(sample, places, chosen, speed=SPEED).values())),
         "list": np.stack([np.broadcast_to(row, places.shape) for row in rows]),
-        "dual": signal_gradients(sample, own, chosen, places, speed=SPEED)[0],
+        "derivatives": signal_gradients(sample, own, chosen, places, speed=SPEED)[0],
     }
 
 
