@@ -236,9 +236,9 @@ def _fit(samples: _Samples, family: str) -> KnownFit | None:
     tried = np.linspace(SHORTEST_TIME * samples.duration, longest, 1 if family == CONSTANT else TRIED_TIMES)
     coarse = [_fit_with_time(few, family, float(time)) for time in tried]
     near = min(coarse, key=lambda fit: float(fit.residual @ fit.residual)).time
-    if not _fit_near(few, family, near).is_within:
+    if not _evened_out(_fit_near(few, family, near)).is_within:
         return None
-    fit = replace(_fit_near(samples.thinned(MOST_SAMPLES), family, near), samples=samples)
+    fit = replace(_evened_out(_fit_near(samples.thinned(MOST_SAMPLES), family, near)), samples=samples)
     return fit if fit.is_within else None
 
 
@@ -248,31 +248,34 @@ def _longest(samples: _Samples, family: str) -> float:
 
 
 def _fit_near(samples: _Samples, family: str, guess: float) -> KnownFit:
-    """The fit of a family with a time near ``guess``, s: by least squares, or else by the largest residual.
+    """The least-squares fit of a family, its ramp or swing time searched near ``guess``, s."""
+    if family == CONSTANT:  # which has no such time
+        return _fit_with_time(samples, family, guess)
+    near = samples.duration / TRIED_TIMES
+    lower = max(guess - near, 0.5 * SHORTEST_TIME * samples.duration)
+    upper = min(guess + near, _longest(samples, family))
+    best = least_squares(
+        lambda time: _fit_with_time(samples, family, float(time[0])).residual, guess, bounds=(lower, upper),
+        x_scale=samples.duration, method="dogbox", xtol=1e-13, ftol=1e-15, gtol=None,
+    )  # fmt: skip
+    fits = [_fit_with_time(samples, family, time) for time in (float(best.x[0]), upper)]
+    return min(fits, key=lambda fit: fit.largest)
+
+
+def _evened_out(fit: KnownFit) -> KnownFit:
+    """The fit, or the one near it with the least residuals to a high power, of which the largest count most.
 
     Where the crank turns steadily every sample is rounded alike, and the squares are least where the others are off by
     that besides their own rounding.
     """
-    fit, lower, upper = _fit_with_time(samples, family, guess), guess, guess
-    options = {"xtol": 1e-13, "ftol": 1e-15, "gtol": None, "method": "dogbox"}
-    if family != CONSTANT:
-        near = samples.duration / TRIED_TIMES
-        lower = max(guess - near, 0.5 * SHORTEST_TIME * samples.duration)
-        upper = min(guess + near, _longest(samples, family))
-        best = least_squares(
-            lambda time: _fit_with_time(samples, family, float(time[0])).residual, guess, bounds=(lower, upper),
-            x_scale=samples.duration, **options,
-        )  # fmt: skip
-        fits = [_fit_with_time(samples, family, time) for time in (float(best.x[0]), upper)]
-        fit = min(fits, key=lambda fit: fit.largest)
     if fit.is_within or fit.largest >= EVEN_OUT_BELOW:
         return fit
     numbers = np.array([fit.time, fit.size, fit.start])
-    free = np.array([family != CONSTANT, True, not samples.of_speed])
+    free = np.array([fit.family != CONSTANT, True, not fit.samples.of_speed])
 
     def with_numbers(x: Array) -> KnownFit:
         numbers[free] = x
-        return KnownFit(samples, family, *numbers.tolist())
+        return KnownFit(fit.samples, fit.family, *numbers.tolist())
 
     even = least_squares(lambda x: with_numbers(x).residual ** EVEN, numbers[free], x_scale="jac", max_nfev=100)
     return min((fit, with_numbers(even.x)), key=lambda fit: fit.largest)

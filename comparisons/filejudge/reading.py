@@ -108,19 +108,18 @@ def _comparable(header: str) -> str:
 
 @dataclass
 class _ReadColumn:
-    """A column with its meaning, or the reason why it has none."""
+    """A column of a table: its ``meaning``, in a unit of the SI value ``factor``; or None and the ``reason``."""
 
     table: ResultTable
     column: Column
-    meaning: Meaning | None = None
+    meaning: Meaning | None
+    factor: float = 1.0
     correction: Correction = NOTHING
     reason: str = ""
 
     def in_si(self) -> tuple[Array, Array]:
         """Values in SI units, corrected, and their resolution, each (n,)."""
-        assert self.meaning is not None
-        assert self.meaning.unit is not None
-        scale = self.correction.factor * self.meaning.unit.factor
+        scale = self.correction.factor * self.factor
         values = self.correction.sign * scale * self.column.values + self.correction.offset
         return values, scale * self.column.resolution
 
@@ -133,6 +132,7 @@ class _Reading:
         self.entries = map_entries(said, (column.header for table in tables for column in table.columns))
         self.columns = [self._read(table, column) for table in tables for column in table.columns]
         self.axes = {id(table): self._axis(table) for table in tables}
+        self._refuse_duplicates()
 
     def with_meaning(self, table: ResultTable | None = None) -> list[tuple[_ReadColumn, Meaning]]:
         """The columns of a table, or of all tables, that have a meaning, each with it."""
@@ -141,26 +141,31 @@ class _Reading:
 
     def _read(self, table: ResultTable, column: Column) -> _ReadColumn:
         """A column with its meaning and correction, or the reason why it has none."""
-        entry, correction = self.entries.get(_comparable(column.header)), NOTHING
+        entry, correction, header = self.entries.get(_comparable(column.header)), NOTHING, shortened(column.header)
         if entry is not None and not entry.signal:
-            return _ReadColumn(table, column, reason="--map leaves it out")
+            return _ReadColumn(table, column, None, reason="--map leaves it out")
         try:
             if entry is None:
                 meaning = self.parser.meaning(column)
             else:
                 meaning, correction = entry.meaning(self.parser, column)
         except NotJudgedError as reason:
-            return _ReadColumn(table, column, reason=str(reason))
-        if meaning.unit is None and table.is_si:
+            return _ReadColumn(table, column, None, reason=str(reason))
+        unit, si = meaning.unit, self.parser.si_unit_name(meaning.signal)
+        if unit is None and table.is_si:
             words = "; ".join(filter(None, ("no unit: in SI units, as Modelica writes it", meaning.assumption)))
-            unit, printed = self.parser.unit(meaning.signal), self.parser.si_unit_name(meaning.signal)
-            meaning = Meaning(meaning.signal, unit, printed, words)
-        return _ReadColumn(table, column, meaning, correction)
+            unit, meaning = self.parser.unit(meaning.signal), replace(meaning, printed=si, assumption=words)
+        if unit is None:
+            raise LinkproofError(
+                f"{column.place}: expected a unit of {meaning.signal} in the header '{header}', got none; add it with "
+                f'--map "{header}={meaning.signal} [{si}]", or what it is'
+            )
+        return _ReadColumn(table, column, meaning, unit.factor, correction)
 
-    def _axis(self, table: ResultTable) -> _ReadColumn | None:
+    def _axis(self, table: ResultTable) -> tuple[_ReadColumn, Meaning] | None:
         """The axis of a table: time, else the crank angle; None where no column has a meaning."""
         every = self.with_meaning(table)
-        axes = [column for name in (TIME, "phi") for column, meaning in every if meaning.signal == name]
+        axes = [pair for name in (TIME, "phi") for pair in every if pair[1].signal == name]
         if every and not axes:
             raise LinkproofError(
                 f"{table.file}:{table.line}: expected a column of time or crank angle, got "
@@ -169,51 +174,39 @@ class _Reading:
             )
         return axes[0] if axes else None
 
-    def refuse_duplicates(self) -> None:
-        """Refuse two columns for one signal or axis; one that names the signal goes before one taken for it."""
-        seen: dict[tuple[str, int], _ReadColumn] = {}
-        for column, meaning in self.with_meaning():
+    def _refuse_duplicates(self) -> None:
+        """Refuse two columns for one signal or axis; one that is taken for it gives way to one that names it."""
+        seen: dict[tuple[str, int], tuple[_ReadColumn, Meaning]] = {}
+        for column, meaning in sorted(self.with_meaning(), key=lambda pair: bool(pair[1].assumption)):
             axis = self.axes[id(column.table)]
-            is_axis = axis is not None and axis.meaning is not None and axis.meaning.signal == meaning.signal
+            is_axis = axis is not None and axis[1].signal == meaning.signal
             place = (meaning.signal, id(column.table) if is_axis else 0)
-            before = seen.setdefault(place, column)
-            if before is column or before.meaning is None:
+            before, known = seen.setdefault(place, (column, meaning))
+            if before is column:
                 continue
-            if is_axis or bool(before.meaning.assumption) == bool(meaning.assumption):
+            if is_axis or bool(known.assumption) == bool(meaning.assumption):
                 raise LinkproofError(
                     f"expected one column for {meaning.signal}, got '{shortened(before.column.header)}' "
                     f"({before.column.place}) and '{shortened(column.column.header)}' ({column.column.place}); "
                     f'leave one out with --map "{shortened(column.column.header)}="'
                 )
-            weaker, seen[place] = (column, before) if meaning.assumption else (before, column)
-            weaker.meaning, weaker.reason = None, f"'{shortened(seen[place].column.header)}' names {meaning.signal}"
-
-    def ask_for_units(self) -> None:
-        """Ask for the units that neither header nor tool states."""
-        without = [(column, meaning) for column, meaning in self.with_meaning() if meaning.unit is None]
-        for first, meaning in without[:1]:
-            header, more = shortened(first.column.header), f" and {len(without) - 1} more" if len(without) > 1 else ""
-            raise LinkproofError(
-                f"{first.column.place}: expected a unit of {meaning.signal} in the header '{header}'{more}, got none; "
-                f'add it with --map "{header}={meaning.signal} [{self.parser.si_unit_name(meaning.signal)}]", or what '
-                "it is"
-            )
+            column.meaning, column.reason = None, f"'{shortened(before.column.header)}' names {meaning.signal}"
 
     def signals(self, table: ResultTable) -> Iterator[ImportedSignal]:
         """The signals of a table in SI units, corrected."""
-        axis = self.axes[id(table)]
-        if axis is None or axis.meaning is None:
+        pair = self.axes[id(table)]
+        if pair is None:
             return
-        name: Axis = "time" if axis.meaning.signal == TIME else "phi"
+        axis, meant = pair
+        name: Axis = "time" if meant.signal == TIME else "phi"
         rows, repeated = _distinct_rows(axis.column, name)
         at, sharpness = axis.in_si()
         at = at + axis.correction.time_shift if name == "time" else at
-        axis_assumption = f"{name}: {axis.meaning.assumption}" if axis.meaning.assumption else ""
         for column, meaning in self.with_meaning(table):
             if column is axis:
                 continue
-            row = () if axis.meaning.assumption == meaning.assumption else (axis_assumption,)
-            assumption = "; ".join(filter(None, (meaning.assumption, *row, repeated)))
+            of_axis = f"{name}: {meant.assumption}" if meant.assumption not in ("", meaning.assumption) else ""
+            assumption = "; ".join(filter(None, (meaning.assumption, of_axis, repeated)))
             values, resolution = column.in_si()
             yield ImportedSignal(
                 meaning.signal, name, at[rows] + column.correction.time_shift, values[rows], resolution[rows],
@@ -233,8 +226,6 @@ def read_results(
     if not tables:
         raise LinkproofError("expected at least one file of results, got none; name the files")
     reading = _Reading(linkage, tables, said)
-    reading.refuse_duplicates()
-    reading.ask_for_units()
     signals = [signal for table in tables for signal in reading.signals(table)]
     not_judged = tuple((entry.column, entry.reason) for entry in reading.columns if entry.reason)
     if not signals:
@@ -245,7 +236,7 @@ def read_results(
         )
     every = reading.with_meaning()
     corrections = {m.signal: entry.correction for entry, m in every if entry.correction != NOTHING}
-    units = {m.signal: m.unit.factor for _, m in every if m.unit}
+    units = {m.signal: entry.factor for entry, m in every}
     read = tuple((m.signal, replace(entry.column, unit=m.printed), m.assumption) for entry, m in every)
     return ImportedResults(tuple(signals), not_judged, corrections, units, read)
 
@@ -255,23 +246,21 @@ def _distinct_rows(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
 
     Tools write an instant twice where an event changes the motion. Raises LinkproofError for an axis that turns back.
     """
-    steps = np.diff(column.values)
-    forward = -1.0 if name == "phi" and len(steps) and column.values[-1] < column.values[0] else 1.0
-    back = np.flatnonzero(forward * steps < 0.0)
+    steps, what = np.diff(column.values), f"{column.place}: expected"
+    is_backward = name == "phi" and len(steps) and column.values[-1] < column.values[0]
+    back = np.flatnonzero(steps > 0.0 if is_backward else steps < 0.0)
     if len(back):
         row = int(back[0])
-        before, after = column.values[row], column.values[row + 1]
-        cure = "export one run a file, its rows in order" if name == "time" else "export the time beside it"
         expected = "a time that grows" if name == "time" else "a crank angle that runs one way"
+        cure = "export one run a file, its rows in order" if name == "time" else "export the time beside it"
         raise LinkproofError(
-            f"{column.place}: expected {expected} in '{shortened(column.header)}', got {after:g} after {before:g} "
-            f"(row {row + 2} of the table); {cure}"
+            f"{what} {expected} in '{shortened(column.header)}', got {column.values[row + 1]:g} after "
+            f"{column.values[row]:g} (row {row + 2} of the table); {cure}"
         )
     rows = np.flatnonzero(np.append(steps != 0.0, True))
     if len(rows) < FEWEST:
         raise LinkproofError(
-            f"{column.place}: expected a curve of at least {FEWEST} instants, got {len(rows)}; export more "
-            "steps of the run"
+            f"{what} a curve of at least {FEWEST} instants, got {len(rows)}; export more steps of the run"
         )
     left_out = len(column.values) - len(rows)
     return rows, f"of instants written more than once the last is taken ({left_out} left out)" if left_out else ""

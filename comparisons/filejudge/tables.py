@@ -262,7 +262,7 @@ def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
         if delimiter != BLANK and delimiter in line:
             yield _split_cells(line, delimiter)
     if signs.delimiter in (BLANK, "\t"):
-        yield re.split(r"\s{2,}|\t+", line.strip())
+        yield [cell.strip('"') for cell in re.split(r"\s{2,}|\t+", line.strip())]
         yield [" ".join((quoted or bare).split()) for quoted, bare in re.findall(r'"([^"]*)"|(\S+)', line)]
 
 

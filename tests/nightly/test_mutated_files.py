@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 
 import linkproof
-from analytic.description.loading import CATALOGUE, LITERATURE
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import CATALOGUE, LITERATURE, load
 from analytic.errors import LinkproofError
+from comparisons.filejudge.judge import _crank_motion
+from comparisons.filejudge.reading import read_results
 from tests.analytic.linkages import FOLDER
 from tests.commands import linkproof as command
+from tests.comparisons.filejudge import layouts
 from tests.reports.command_line.test_bad_files import LateError, time_limit
 
 SECONDS = 100  # of the processor for one file: forty windows that fall into a dead position take 45 s
@@ -22,6 +26,33 @@ NUMBER = re.compile(r"(?<![\w\"])[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 FACTORS = (-1.0, 0.5, 0.999, 1.001, 2.0, 1e3, 1e-3)
 VALUES = ("0", "-1", "1e-9", "1e9", "1e300", "-1e300", "5e-324", "nan", "inf", '""', "[]", "{}", "true", "", "1,5")
 SIGNS = (*'[]{}=",.#-+;:\t\n\r\0\x1bé°\u202e😀\ufeff ', "NaN", "1e999")
+
+
+JUKI = load("juki-mf7923d")
+PIECES = (
+    b"9e299",
+    b"1" * 5000,
+    b"nan",
+    b'"',
+    b"\x00",
+    b"\xff",
+    "٣".encode(),
+    b";",
+    b"\n\n",
+    b"<Step>",
+    b"1e-320",
+    b"\n0",
+)
+LAYOUTS = {
+    "a.csv": lambda channels: layouts.csv(channels, delimiter=";", decimal=","),
+    "b.csv": lambda channels: layouts.solidworks([(c.header, [channels[0], c]) for c in channels[1:]]),
+    "c.csv": lambda channels: layouts.modelica([layouts.Channel(f"crank.{n}", "", c.values) if n else c
+                                                for n, c in zip(("", "phi", "tau"), channels, strict=True)]),
+    "a.txt": lambda channels: layouts.csv(channels, delimiter="  ", quotes=True).encode("utf-16"),
+    "a.tab": layouts.adams_table,
+    "a.res": layouts.adams_results,
+    "b.res": layouts.robotran,
+}  # fmt: skip
 
 
 def changed(text, chance):
@@ -67,6 +98,33 @@ def judge(folder, chance):
     linkproof.judge("juki-mf7923d", path)
 
 
+def read(folder, chance):
+    """Read a damaged file of results in one of the layouts of other tools, and find the crank's motion in it."""
+    time = np.linspace(0.0, 1.0, 40)
+    columns = (("time", "s", time), ("Crank angle", "deg", 360.0 * time + 5.0 * np.sin(9.0 * time)),
+               ("MOTION_1.TZ", "N*m", np.cos(time)))  # fmt: skip
+    name, write = chance.choice(sorted(LAYOUTS.items()))
+    content = write([layouts.Channel(*column) for column in columns])
+    path = folder / name
+    path.write_bytes(damaged(content if isinstance(content, bytes) else content.encode(), chance))
+    motion = crank_motion("constant-speed") if chance.random() < 0.2 else None
+    _crank_motion(read_results([path], JUKI), motion, 0.0)
+
+
+def damaged(content, chance):
+    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words of another file."""
+    for _ in range(chance.randint(1, 3)):
+        at, size = chance.randrange(len(content) + 1), chance.randrange(1, 40)
+        content = (
+            content[:at],
+            content[:at] + content[at + size :],
+            content[:at] + content[max(0, at - size) :],
+            content[:at] + chance.randbytes(size) + content[at + size :],
+            content[:at] + chance.choice(PIECES) + content[at:],
+        )[chance.randrange(5)]
+    return content
+
+
 def run(folder, chance):
     """Run a command on a changed linkage."""
     words = chance.choice([["check"], ["results", "-q"], ["list"], ["results", "--json"]])
@@ -77,7 +135,7 @@ def run(folder, chance):
 @pytest.mark.nightly
 @pytest.mark.parametrize(
     ("attempt", "seed"),
-    [(kind, seed) for kind, count in ((compute, 50), (judge, 20), (run, 5)) for seed in range(count)],
+    [(kind, seed) for kind, count in ((compute, 50), (judge, 20), (read, 30), (run, 5)) for seed in range(count)],
 )
 def test_a_hundred_of_them_are_answered_or_refused(tmp_path, attempt, seed):
     chance, faults = random.Random(seed), []

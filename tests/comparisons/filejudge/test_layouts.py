@@ -122,7 +122,7 @@ def test_arrays_of_matlab_are_columns_by_their_names_and_wait_for_units(tmp_path
     path = _file(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
     (table,) = result_tables(path)
     assert [column.header for column in table.columns] == ["t", "Mkr", "D(1)", "D(2)"]
-    with pytest.raises(LinkproofError, match="expected a unit of time in the header 't' and 1 more"):
+    with pytest.raises(LinkproofError, match="expected a unit of time in the header 't', got none"):
         read_results([path], JUKI)
 
 
@@ -150,7 +150,7 @@ def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
     (table,) = result_tables(path)
     assert [column.header for column in table.columns] == ["Time", "MOTION_1_TZ", "crank.WZ"]
     np.testing.assert_allclose(table.columns[2].resolution, 5e-5)
-    with pytest.raises(LinkproofError, match="expected a unit of time in the header 'Time' and 2 more"):
+    with pytest.raises(LinkproofError, match="expected a unit of time in the header 'Time', got none"):
         read_results([path], JUKI)
 
 
@@ -171,45 +171,6 @@ def test_tables_one_below_another_have_their_own_axes(tmp_path):
     assert first.columns[1].values.tolist() == [1.0, 2.0, 3.0, 4.0]
     assert [column.header for column in second.columns] == ["t [s]", "y [m]", "z [m]"]
     assert second.columns[2].values.tolist() == [2.0, 3.0]
-
-
-def _damaged(content, random):
-    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words of another file."""
-    for _ in range(random.integers(1, 4)):
-        at, size = random.integers(len(content) + 1), random.integers(1, 40)
-        words = (b"9e299", b"1" * 5000, b"nan", b'"', b"\x00", b"\xff", "٣".encode(), b";", b"\n\n", b"<Step>")
-        content = (
-            content[:at],
-            content[:at] + content[at + size :],
-            content[:at] + content[max(0, at - size) :],
-            content[:at] + random.bytes(size) + content[at + size :],
-            content[:at] + words[random.integers(len(words))] + content[at:],
-        )[random.integers(5)]
-    return content
-
-
-@pytest.mark.parametrize(
-    ("name", "write"),
-    [
-        ("a.csv", lambda channels: layouts.csv(channels, delimiter=";", decimal=",")),
-        ("b.csv", lambda channels: layouts.solidworks([("Motor Torque1", channels)])),
-        ("a.tab", layouts.adams_table),
-        ("a.res", layouts.adams_results),
-        ("b.res", layouts.robotran),
-    ],
-)
-def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, name, write):
-    time = np.linspace(0.0, 1.0, 30)
-    content = write([Channel("time", "s", time), Channel("MOTION_1.TZ", "N*m", np.cos(time))]).encode()
-    for seed in range(10):
-        path = _file(tmp_path, name, _damaged(content, np.random.default_rng(seed)))
-        try:
-            outcome = read_results([path], JUKI).signals
-        except LinkproofError as refusal:
-            outcome = str(refusal)
-        assert outcome
-        assert "\n" not in outcome
-        assert len(outcome) <= 1500
 
 
 def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
