@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import Final
 
 MOST_NAMES: Final = 30  # of a list in a message
@@ -13,6 +14,10 @@ LONGEST: Final = 1500  # characters of a message
 SIMILAR: Final = 0.6  # share of equal characters from which one name is taken for a misspelling of another
 
 
+# Words that are accepted in the place of a symbol.
+WORDS: Final[Mapping[str, str]] = {
+    "torque": "Mkr", "power": "Peq", "energy": "Teq", "inertia": "Jeq", "displacement": "S",
+}  # fmt: skip
 # Symbols of quantities by the words a user may try in their place.
 SYMBOLS: Final[Mapping[str, str]] = {
     "torque": "Mkr",
@@ -54,6 +59,27 @@ class AssemblyError(LinkproofError):
     """A linkage whose links cannot meet at the given crank angle."""
 
 
+def symbol(name: str) -> str:
+    """A signal's or figure's name with the symbol of an accepted word: ``torque.peak`` is ``Mkr.peak``."""
+    ends = [place for place in (name.find("."), name.find("@")) if place >= 0]
+    word = name[: min(ends, default=len(name))]
+    return WORDS.get(word, word) + name[len(word) :]
+
+
+def install_words(extra: str) -> str:
+    """The command that brings an extra to this installation: of its checkout, or its file, if it came from one."""
+    import json  # noqa: PLC0415 - an error is rare
+    from importlib import metadata  # noqa: PLC0415
+    from urllib.parse import unquote, urlsplit  # noqa: PLC0415
+
+    with suppress(metadata.PackageNotFoundError, ValueError):
+        origin = json.loads(metadata.distribution("linkproof").read_text("direct_url.json") or "{}")
+        if str(origin.get("url", "")).startswith("file:"):
+            flag = "-e " if origin.get("dir_info", {}).get("editable") else ""
+            return f"pip install {flag}'{unquote(urlsplit(origin['url']).path)}[{extra}]'"
+    return f"pip install 'linkproof[{extra}]'"
+
+
 class UnknownNameError(LinkproofError):
     """A name (mechanism, variant, engine, quantity, ...) that does not exist.
 
@@ -63,7 +89,8 @@ class UnknownNameError(LinkproofError):
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
         choices = sorted(set(known))
         meant, many = SYMBOLS.get(name.lower()), NEAREST if len(choices) > MOST_NAMES else 1
-        near = [meant] if meant in choices else _similar_names(name, choices)[:many]
+        words = [WORDS[word] for word in _similar_names(name, [*WORDS]) if WORDS[word] in choices]
+        near = [meant] if meant in choices else (_similar_names(name, choices) or words)[:many]
         meanings = "' or '".join(near)
         hint = f"did you mean '{meanings}'? " if near else ""
         super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {where or listed(choices)}")

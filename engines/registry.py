@@ -21,7 +21,7 @@ from importlib import import_module, metadata
 from importlib.metadata import EntryPoint, entry_points
 from typing import Final
 
-from analytic.errors import UnknownNameError
+from analytic.errors import UnknownNameError, install_words
 from engines.contract import Abilities, Engine, Run, Setting
 from engines.scene import Scene
 
@@ -129,7 +129,7 @@ def why_unavailable(adapter: Engine) -> str | None:
     if adapter.version() is not None:
         return None
     ours = _is_ours(type(adapter).__module__)
-    cure = f"install it with: pip install 'linkproof[{adapter.name}]'" if ours else "install it"
+    cure = f"install it with: {install_words(adapter.name)}" if ours else "install it"
     return f"engine '{adapter.name}' is not installed: {cure}"
 
 
@@ -207,7 +207,8 @@ def _not_installed_sentence(package: str, extra: str) -> str:
 def _how_to_install(package: str, extra: str) -> str:
     wanted = extra or package
     is_extra = wanted in (metadata.metadata("linkproof").get_all("Provides-Extra") or ())
-    return f"pip install --upgrade '{f'linkproof[{wanted}]' if is_extra else package}' brings it"
+    command = install_words(wanted) if is_extra else f"pip install '{package}'"
+    return f"{command.replace('install ', 'install --upgrade ', 1)} brings it"
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:

@@ -65,7 +65,31 @@ def readable(keys: Sequence[str]) -> str:
 
 
 JOINED: Final = "links are pinned where points have one name, and slide by slides or slots; leave it out"
+BEYOND: Final = (
+    "gears, belts, chains, cams, contact and a second driver are beyond it; see 'What linkproof cannot do' in "
+    "docs/linkage-files.md"
+)
 NO_KEYS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(
+        (
+            "gear",
+            "gears",
+            "rack",
+            "belt",
+            "belts",
+            "pulley",
+            "chain",
+            "chains",
+            "cam",
+            "cams",
+            "contact",
+            "contacts",
+            "inputs",
+            "drivers",
+            "synthesis",
+        ),
+        BEYOND,
+    ),
     **dict.fromkeys(("pin", "pins", "joint", "joints", "hinge", "hinges", "revolute"), JOINED),
     "repeat": "equal parts stand in the file one by one; write them out, by a few lines of Python if they are many",
 }  # what files have had or might have, and what to do instead

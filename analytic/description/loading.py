@@ -9,6 +9,7 @@ import sys
 import tomllib
 from collections.abc import Iterator, Mapping, MutableMapping, MutableSequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, TypeVar, cast
@@ -90,7 +91,9 @@ def find(name: str) -> Path:
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
     fault = file_fault(path)
     if fault:
-        raise DescriptionError(f"expected {known}, got '{name}', which {fault}")
+        near = get_close_matches(name, [str(file) for file in path.parent.glob("*.toml")], n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        raise DescriptionError(f"expected {known}, got '{name}', which {fault}{hint}")
     return path
 
 
@@ -204,6 +207,7 @@ SLIPS: Final = tuple(
         ("Expected '='", "", "a key without = behind it; write key = value"),
         ("Expected newline", "", "more than a value behind =; units stand in [units], and a comment begins with #"),
         ("Illegal character '\\\\n'|Unterminated string", "", 'a text whose end is missing; close it with "'),
+        ("Unclosed|Expected '\\]'", r"\[[^\]#]*[\d.]\s+[-+.\d]", "numbers without a comma between them; write [x, y]"),
         ("Unclosed|Expected '\\]'", "", "a bracket that is not closed; close it in the same line"),
         ("initial character for a key part", r"\{[^}]*$", "a table in braces of several lines; write it in one line"),
     )

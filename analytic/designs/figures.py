@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
-from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
+from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened, symbol
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MAGNITUDE, THREAD_FEED, names_with_magnitudes, table
 
@@ -150,6 +150,7 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
 
     Raises LinkproofError for an unknown signal or reduction, and for a wrong angle or time.
     """
+    name = symbol(name)
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
     known = listed | {key: key for key, on_request in table(mechanism).items() if not on_request.is_listed}
     signal, ending = ("S", ".range") if name == STROKE else part_figure(name)
@@ -215,10 +216,11 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     """The error for an unknown figure, with the nearest names."""
     examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
-    symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
+    how, word = word.partition("_")[::2] if word.partition("_")[0] in REDUCTIONS else (how, word)  # peak_torque
+    usual = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
     by_case = {example.lower(): example for example in examples}
     near = get_close_matches(name.lower(), by_case, n=MOST_SUGGESTED, cutoff=SIMILAR)
-    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[key] for key in near)])
+    meant = dict.fromkeys([*([usual] if usual in examples else []), *(by_case[key] for key in near)])
     hint = f"did you mean {' or '.join(repr(key) for key in [*meant][:MOST_SUGGESTED])}? " if meant else ""
     return LinkproofError(
         f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "

@@ -15,7 +15,7 @@ from typing import Any
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, literature, load, read
-from analytic.errors import LinkproofError, UnknownNameError, printable
+from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
 from comparisons.trials.campaign.campaign import CampaignRequest, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
 from comparisons.trials.campaign.results import document
@@ -134,7 +134,7 @@ def request(options: RunsOptions) -> CampaignRequest:
         conditions=conditions,
         engines=requested_engines(options.engine),
         settings=_requested_settings(options),
-        quantities=tuple(dict.fromkeys(options.quantity)),
+        quantities=tuple(dict.fromkeys(map(symbol, options.quantity))),
         own_regimes=own_regimes,
         own_settings=_own_settings(options),
         with_invariants=not options.quantity,

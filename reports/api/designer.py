@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, symbol
 from reports.api.options import (
     Announce,
     Argument,
@@ -148,7 +148,7 @@ def evaluate(
         raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
     size = factor("length", mechanism.linkage.units.get("length", "m")) if mechanism.linkage.is_linear else RPM
     moves = {"acceleration": acceleration, "speed": None if speed is None else np.asarray(speed, dtype=float) * size}
-    names = None if quantities is None else words(quantities)
+    names = None if quantities is None else [*map(symbol, words(quantities))]
     if designs is None:
         return evaluated(mechanism, angle, names, moves)
     return evaluated_designs(mechanism, angle, names, designs, moves)

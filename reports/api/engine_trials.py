@@ -13,7 +13,7 @@ import numpy as np
 
 from analytic import machine_code
 from analytic.description.loading import catalogue
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, install_words
 from analytic.machine_code import OperationList, Result
 from comparisons.trials.campaign.campaign import compare
 from comparisons.trials.conformance.conformance import INSTALLED, check_engine
@@ -60,7 +60,7 @@ def _trial_of_run(run: Run) -> SelfTest:
 def machine_code_trial() -> SelfTest:
     """A function of one operation, compiled: Numba works where this does."""
     if not machine_code.is_installed():
-        return SelfTest("machine code", "", None, "numba is not installed: pip install 'linkproof[compiled]'")
+        return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
     trace, begin = OperationList(), time.perf_counter()
     number = trace.input("number")
     line = trace.line(number + 1.0)
@@ -84,7 +84,7 @@ def _package_trial(package: str, extra: str) -> SelfTest:
     try:
         return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:
-        return SelfTest(package, "", None, f"pip install 'linkproof[{extra}]' installs it")
+        return SelfTest(package, "", None, f"{install_words(extra)} installs it")
 
 
 def places() -> dict[str, str]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from analytic import signals
 from analytic.description.linkage import Linkage
 from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import WORDS, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.curves import TIME
 
@@ -30,6 +30,9 @@ VARIABLES: Final[Mapping[str, Mapping[str, str]]] = {
     "joint_force": {"x": "joint_force", "y": "joint_force", "magnitude": "joint_force_magnitude"},
     "shaking_force": {"x": "shaking_force", "y": "shaking_force", "magnitude": "shaking_force_magnitude"},
 }
+
+
+TITLES: Final = {symbol: word for word, symbol in WORDS.items()}
 
 
 class Label(NamedTuple):
@@ -75,6 +78,8 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
         shape = [*map(len, sides.values()), -1]
         stacked = np.stack([values[name] for name in names.values()]).reshape(shape)
         units = {"units": unit(names[first], linkage)}
+        if variable in TITLES:
+            units["long_name"] = f"{TITLES[variable]} ({variable})"
         arrays[variable] = xarray.Variable((*sides, axis), stacked, units)
         coordinates |= sides
     beside = {name: arrays.pop(name) for name in (TIME, "phi") if name in arrays}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from markupsafe import escape
 
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, install_words
 from comparisons.trials.runs.files import check_writable, write_file
 from comparisons.trials.runs.store import to_json
 from reports.document.terminal import Printed, Printout, rendered
@@ -151,6 +151,6 @@ def check_saves(files: Iterable[Path], suffixes: Sequence[str], read: Mapping[st
         package = PACKAGES.get(suffix)
         if package is not None and find_spec(package) is None:
             raise LinkproofError(
-                f"--save {file}: expected {package}, got none: install it with: pip install "
-                f"'linkproof[{suffix.removeprefix('.')}]'"
+                f"--save {file}: expected {package}, got none: install it with: "
+                f"{install_words(suffix.removeprefix('.'))}"
             )

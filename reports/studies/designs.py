@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError, symbol
 from comparisons.designer.building import page_sheet, sheet
 from comparisons.designer.linkage_check import warnings
 from comparisons.designer.optimisation import Optimum
@@ -69,6 +69,13 @@ class Results(Study):
         if self.sheet.open_end_warning:
             about["open_ends"] = self.sheet.open_end_warning
         return labelled(self.sheet.linkage, self.sheet.axis, self.sheet.table, about)
+
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        """A variable of the dataset by its symbol, or by its word: ``torque`` is ``Mkr``; raises UnknownNameError."""
+        known = self.dataset.variables
+        if symbol(name) not in known:
+            raise UnknownNameError("signal", name, map(str, known))
+        return self.dataset[symbol(name)]
 
     @property
     def warnings(self) -> Sequence[str]:

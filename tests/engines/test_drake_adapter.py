@@ -119,4 +119,4 @@ def test_an_absent_drake_is_unavailable(monkeypatch):
     monkeypatch.setitem(sys.modules, "pydrake", None)
     run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(SHORT), frozenset(Channel)), Setting.TUNED)
     assert run.outcome is Outcome.UNAVAILABLE
-    assert "'linkproof[drake]'" in run.reason
+    assert "[drake]'" in run.reason

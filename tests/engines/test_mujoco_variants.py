@@ -46,5 +46,5 @@ def test_an_absent_engine_is_unavailable_and_a_free_crank_unsupported(name, monk
     adapter = engine(name)
     monkeypatch.setitem(sys.modules, adapter.package, None)
     run = adapter.run(scene_of("four-bar"), Setting.TUNED)
-    assert (run.outcome, f"'linkproof[{name}]'" in run.reason) == (Outcome.UNAVAILABLE, True)
+    assert (run.outcome, f"[{name}]'" in run.reason) == (Outcome.UNAVAILABLE, True)
     assert "free" in adapter.obstacle(scene_of("released"))

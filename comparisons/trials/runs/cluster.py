@@ -11,7 +11,7 @@ from importlib.metadata import version
 from typing import Any, Final, TypeVar
 from uuid import uuid4
 
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, install_words
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost
 from comparisons.trials.runs.workers import Begun, LocalPool
 
@@ -74,7 +74,7 @@ class DaskPool:
         try:
             from distributed import Client  # noqa: PLC0415
         except ModuleNotFoundError as error:
-            raise LinkproofError(f"--scheduler: {error}; pip install 'linkproof[dask]' brings it") from error
+            raise LinkproofError(f"--scheduler: {error}; {install_words('dask')} brings it") from error
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is wrong is said below
         try:
             client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import replace
 
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError, symbol
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest, cases
 from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
@@ -49,7 +49,7 @@ def bench(options: BenchOptions, destination: Destination, scheduler: str | None
             save(out, result)
         if finished:
             finished.clear()
-    destination.print_out(printout(result, options.quantity))
+    destination.print_out(printout(result, tuple(map(symbol, options.quantity))))
     destination.write_pages()
     return bench_exit_code(result, wanted.engines)
 
@@ -84,7 +84,7 @@ def _default_runs(options: BenchOptions) -> RunsOptions:
 def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
     """The benchmark to measure; raises LinkproofError for a quantity that a case does not have."""
     every = tuple(cases(requested))
-    quantities = tuple(dict.fromkeys(options.quantity)) or QUANTITIES
+    quantities = tuple(dict.fromkeys(map(symbol, options.quantity))) or QUANTITIES
     for name in quantities:
         if name not in (*COMPARED, JOINTS):
             raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))

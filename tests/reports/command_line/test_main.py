@@ -65,6 +65,8 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
     ("words", "sentence"),
     [
         (["check", "juki"], "did you mean 'juki-mf7923d'?"),
+        (["results", "minee.toml"], "which does not exist; check the path; did you mean 'mine.toml'?"),
+        (["sweep", NAME, "--vary", "crank.mass=1:2:3", "--quantity", "peak_torque"], "did you mean 'Mkr.peak'?"),
         (["check", NAME, "--variant", "as-bilt"], "did you mean 'as-built'?"),
         (["compare", NAME, "--quantity", "Jek"], "did you mean 'Jeq'?"),
         (["compare", "slotted-takeup", "--regime", "fre"], "did you mean 'free'?"),
@@ -77,6 +79,7 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_misuse_is_one_sentence_and_exit_code_2(tmp_path, words, sentence):
+    (tmp_path / "mine.toml").touch()
     assert sentence in refused(*words, cwd=tmp_path)
 
 

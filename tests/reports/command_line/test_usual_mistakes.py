@@ -13,6 +13,8 @@ TORQUE = '\n[[torques]]\nlink = "rocker"\ntorque = 500\n[[springs]]'
 # The replaced text, its replacement, the place in the message (a line, or a name), and the cure.
 REFUSED = {
     "comma in a point": ("O2 = [60, 0]", "O2 = [60,5, 0]", ":6: ground.O2", "write decimals with a dot"),
+    "no comma in a point": ("O2 = [60, 0]", "O2 = [60 0]", ":6: ", "without a comma between them; write [x, y]"),
+    "gear": ("[links.rocker]", "[gears.one]\nratio = 2\n[links.rocker]", ":20: gears", "'What linkproof cannot do'"),
     "comma in a number": ("mass = 0.15", "mass = 0,15", ":16: ", "write a dot, such as 0.3"),
     "point twice": ("B = [60, 0], P", "B = [60, 0], B = [6, 0], P", ":15: ", "'B' is written twice; leave one out"),
     "link twice": ("[links.rocker]", "[links.coupler]", ":20: ", "written twice; leave one out or rename it"),

@@ -1,6 +1,7 @@
 """``linkproof.evaluate``, ``results`` and ``optimise``: textbook formulas, and the values of the commands, labelled."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,24 @@ def test_every_signal_is_the_commands(words, options):
         chosen = {side: at for side, at in ((dimension, part), ("component", component)) if at}
         assert found[variable].sel(chosen).values.tolist() == values, name
         assert found[variable].attrs["units"] == document["units"][name], name
+
+
+def test_words_of_signals_are_accepted_as_their_symbols_are():
+    found = linkproof.results("juki-mf7923d")
+    pairs = {"torque": "Mkr", "power": "Peq", "energy": "Teq", "inertia": "Jeq", "displacement": "S"}
+    for word, symbol in pairs.items():
+        assert found[word].identical(found.dataset[symbol])
+        assert found[word].attrs["long_name"] == f"{word} ({symbol})"
+    assert "Mkr.peak" in linkproof.sweep("juki-mf7923d", {"crank.mass": [0.6]}, "torque.peak").dataset
+    with pytest.raises(linkproof.LinkproofError, match=r"unknown signal 'torqe': did you mean"):
+        _ = found["torqe"]
+
+
+def test_a_mapping_of_the_form_of_a_file_is_a_linkage():
+    text = linkproof.load("juki-mf7923d").text
+    assert linkproof.check(tomllib.loads(text)).facts["mobility"] == linkproof.check("juki-mf7923d").facts["mobility"]
+    torques = [linkproof.results(each)["Mkr"].values for each in (tomllib.loads(text), "juki-mf7923d")]
+    assert np.array_equal(*torques)
 
 
 def test_a_loaded_linkage_and_a_path_are_the_same():

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from analytic.errors import install_words
 from tests.analytic.linkages import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
@@ -97,7 +98,7 @@ def test_bad_input_is_one_sentence_and_nothing_is_written(engine, tmp_path, word
 def test_a_missing_package_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, suffix, package):
     monkeypatch.setattr("reports.document.study.find_spec", lambda name: None if name == package else name)
     error = refused("results", engine, "--save", f"a.{suffix}", cwd=tmp_path)
-    cure = f"install it with: pip install 'linkproof[{suffix}]'"
+    cure = f"install it with: {install_words(suffix)}"
     assert error == f"linkproof: --save a.{suffix}: expected {package}, got none: {cure}\n"
 
 
