@@ -76,21 +76,11 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     for name in request.engines:
         for setting in request.settings if case.is_prescribed else request.own_settings:
             yield Task(
-                key=run_key(linkage, motion.regime, name, setting),
+                key=run_of(case, setting, name).key,
                 job=(pickled, name, setting, names, request.with_invariants),
                 label=f"{linkage.name}, {motion.regime}: {name} {setting}",
                 weight=turned * len(linkage.links),
             )
-
-
-def run_key(linkage: Linkage, regime: str, engine_name: str, setting: Setting) -> str:
-    """The unique name of a run within a campaign."""
-    return "/".join((linkage.name, linkage.variant, regime, engine_name, setting))
-
-
-def cases(request: CampaignRequest) -> list[Case]:
-    """Every linkage under every requested motion, as a list; raises as ``each_case`` does."""
-    return list(each_case(request))
 
 
 def each_case(request: CampaignRequest) -> Iterator[Case]:

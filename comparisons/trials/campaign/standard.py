@@ -17,7 +17,7 @@ from analytic.signals import contour_length, moving_points
 from comparisons.designer.curves import Curves
 from comparisons.designer.figures import MechanismFigure, case_figures, figure_unit, figures_by_name
 from comparisons.motion.case import Case
-from comparisons.trials.campaign.campaign import GRAVITY, CampaignRequest, cases, each_case
+from comparisons.trials.campaign.campaign import GRAVITY, CampaignRequest, each_case
 from comparisons.trials.judging.changes import CLOSED_FORM, Change, changes
 from comparisons.trials.judging.limits import LimitTable
 from comparisons.trials.judging.records import Error, Run
@@ -150,7 +150,7 @@ class JudgedCampaign:
                 if name != linkage.variant:
                     variant = parse(linkage.text, linkage.name, linkage.name, name)
                     with suppress(LinkproofError):
-                        yield from cases(replace(self.request, linkages=(variant,)))
+                        yield from list(each_case(replace(self.request, linkages=(variant,))))
 
 
 def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Error], bool]:

@@ -146,7 +146,7 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
     if not case.mechanism.repeats:  # a last turn shows one of several
         turn = None
     top = (
-        _farthest_coordinate(case)
+        zero_of_output(case.mechanism, case.motion)
         if turn is None
         else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
     )
@@ -157,10 +157,6 @@ def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMot
     """The output's coordinate or a time derivative of it, positive away from top dead centre."""
     time = motion.signal(channel).time
     return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
-
-
-def _farthest_coordinate(case: Case) -> float:
-    return zero_of_output(case.mechanism, case.motion)
 
 
 def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:

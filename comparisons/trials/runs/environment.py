@@ -8,11 +8,10 @@ import platform
 import subprocess
 from collections.abc import Sequence
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from comparisons.trials.runs.plugins import engines as adapters
-from engines.registry import engine_names
+from engines.registry import engine_names, installed_version
 
 PACKAGES = ("linkproof", "numpy", "scipy")
 # What an environment holds that no result depends on.
@@ -21,8 +20,8 @@ INCIDENTAL = ("date", "machine")
 
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
-    facts, here = {name: _version(name) for name in PACKAGES}, engine_names()
-    facts |= {engine.name: engine.version() or "" for engine in adapters([name for name in engines if name in here])}
+    facts, here = {name: installed_version(name) for name in PACKAGES}, engine_names()
+    facts |= {engine.name: engine.version() for engine in adapters([name for name in engines if name in here])}
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),
@@ -30,13 +29,6 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
         "machine": f"{platform.system()} {platform.machine()}, {_processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return ""
 
 
 def _processor() -> str:

@@ -121,7 +121,7 @@ class Runs:
         for is_check, part in enumerate(("errors", "invariants")):
             rows = ((number, is_check, *(error[name] for name in ERRORS)) for error in row.get(part, ()))
             many(f"INSERT INTO errors VALUES (?, ?{', ?' * len(ERRORS)})", rows)
-        blobs = ((number, name, *(row.tobytes() for row in _little(curve))) for name, curve in curves.items())
+        blobs = ((number, name, *(row.tobytes() for row in curve.astype("<f4"))) for name, curve in curves.items())
         many(f"INSERT INTO curves VALUES (?, ?{', ?' * len(CURVE)})", blobs)
         self._numbers[key] = number
 
@@ -153,11 +153,6 @@ class Runs:
         with _transaction(self.connection):
             self.connection.execute("DELETE FROM studies WHERE id = ?", (self.study,))
         self._numbers.clear()
-
-
-def _little(curve: Curve) -> Curve:
-    """A curve with the lower byte of its numbers first, as files have it."""
-    return np.ascontiguousarray(curve, dtype="<f4")
 
 
 @dataclass(frozen=True)

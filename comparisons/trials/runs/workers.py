@@ -10,7 +10,6 @@ import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from analytic.machine_code import cores
@@ -92,7 +91,7 @@ class LocalPool:
             with contextlib.closing(LocalPool(count, lasts=True)) as pool:
                 yield from pool.run(function, jobs, bounds, begun)
             return
-        pickled, module, left = pickle.dumps(function), _module_name(function), enumerate(jobs)
+        pickled, module, left = pickle.dumps(function), getattr(function, "func", function).__module__, enumerate(jobs)
         ended: list[tuple[int, R | Lost]] = []
         try:
             while True:
@@ -146,13 +145,6 @@ class LocalPool:
             worker.pool.stop()  # type: ignore[no-untyped-call]
         for worker in workers:
             worker.stop()
-
-
-def _module_name(function: Callable[..., Any]) -> str:
-    """The module of a function, or of what a ``functools.partial`` calls."""
-    while isinstance(function, partial):
-        function = function.func
-    return function.__module__
 
 
 def _results_here(

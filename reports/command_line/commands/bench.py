@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from analytic.errors import LinkproofError, UnknownNameError, symbol
 from comparisons.motion.case import Case
-from comparisons.trials.campaign.campaign import CampaignRequest, cases
+from comparisons.trials.campaign.campaign import CampaignRequest, each_case
 from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
 from comparisons.trials.judging.quantities import check_defined
 from comparisons.trials.runs.cluster import DaskPool
@@ -83,7 +83,7 @@ def _default_runs(options: BenchOptions) -> RunsOptions:
 
 def _request(options: BenchOptions, requested: CampaignRequest) -> BenchRequest:
     """The benchmark to measure; raises LinkproofError for a quantity that a case does not have."""
-    every = tuple(cases(requested))
+    every = tuple(each_case(requested))
     quantities = tuple(dict.fromkeys(map(symbol, options.quantity))) or QUANTITIES
     for name in quantities:
         if name not in (*COMPARED, JOINTS):

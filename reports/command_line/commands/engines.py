@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from analytic.errors import LinkproofError
-from comparisons.trials.campaign.campaign import cases
+from comparisons.trials.campaign.campaign import each_case
 from comparisons.trials.conformance.trial import Finding
 from comparisons.trials.exported_run import exported
 from comparisons.trials.runs.environment import environment
@@ -158,7 +158,7 @@ def write_script(file: Path, options: CompareOptions, others: tuple[object, ...]
             "name one MECHANISM and one --engine"
         )
     wanted = request(options)
-    chosen, settings = cases(wanted), wanted.settings
+    chosen, settings = list(each_case(wanted)), wanted.settings
     if len(chosen) != 1 or len(settings) != 1:
         raise LinkproofError(
             f"--script writes one run, got {len(chosen)} motions and {len(settings)} settings: name one --regime and "

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.trials.campaign.campaign import cases
+from comparisons.trials.campaign.campaign import each_case
 from comparisons.trials.judging.limits import read_limits
 from reports.api.campaign import campaign, files, request, run_resources
 from reports.api.options import CompareOptions, RunLimits, StandardOptions, command_line
@@ -59,7 +59,7 @@ def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     weightless = tmp_path / "weightless.toml"
     weightless.write_text(re.sub("^gravity.*$", "", find(JUKI).read_text(), flags=re.MULTILINE))
     options = CompareOptions(mechanisms=(JUKI, str(weightless)))
-    conditions = {case.mechanism.linkage.name: case.conditions for case in cases(request(options))}
+    conditions = {case.mechanism.linkage.name: case.conditions for case in each_case(request(options))}
     assert conditions[JUKI].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
     assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CompareOptions(gravity=False)).linkages)
