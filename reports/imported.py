@@ -69,6 +69,10 @@ def sentence(judgement: ImportedJudgement) -> str:
         return f"Not right: {len(over)} of {count} signals over {limit}: {_first_names(over)}{still_open}."
     if open_:
         return f"Right within the file's digits: {count - len(open_)} of {count} signals within {limit}{still_open}."
+    if judgement.explanation.findings:
+        cause = judgement.explanation.findings[0]
+        left = max(verdict.error_max for verdict in judgement.verdicts if verdict.name in cause.signals)
+        return f"Right within {share(judgement.limit)}; a {share(left)} difference remains: {cause.likeliest.words}."
     right = f"{'the signal is' if count == 1 else f'all {count} signals are'} within {limit}"
     if judgement.missed:
         peaks = _first_names([name for name, _ in judgement.missed])
@@ -78,10 +82,10 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
     """The verdict, why signals are open, the causes, what to accept and what was accepted."""
-    written, unexplained = judgement.imported.written, judgement.explanation.unexplained
+    written = judgement.imported.written
     lines = [sentence(judgement), *_undecided_sentences(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
-    lines += [f"No known cause explains the difference in {_first_names(unexplained)}."] if unexplained else []
+    lines += _unexplained_sentences(judgement)
     for name, correction in judgement.proposals.items():
         lines.append(f"If this is intended, accept it with {written(name, correction)}.")
     for name, agreed in judgement.imported.corrections.items():
@@ -115,6 +119,19 @@ def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
     ]
 
 
+def _unexplained_sentences(judgement: ImportedJudgement) -> Iterator[str]:
+    """Signals whose difference is noise, and those that no cause explains."""
+    names = judgement.explanation.unexplained
+    noisy = {verdict.name: verdict for verdict in judgement.verdicts if verdict.name in names and verdict.is_noise}
+    for name, verdict in noisy.items():
+        yield f"The residual of {name} is noise: no trend, RMS {share(verdict.error_rms)} of the peak."
+    if others := [name for name in names if name not in noisy]:
+        yield (
+            f"No known cause explains the difference in {_first_names(others)}: if it shrinks with the step or the "
+            "softness of the engine, it is wrong by these."
+        )
+
+
 def _first_names(names: Sequence[str]) -> str:
     """The names with commas; of more than five the first five, and how many more."""
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
@@ -126,15 +143,15 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     if judgement.model.linkage.is_linear:
         return judgement.model.linkage.place(angle)
     degrees = math.degrees(angle)
-    makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.samples.time)) > FULL_TURN * (1.0 - NOTHING)
+    makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.time)) > FULL_TURN * (1.0 - NOTHING)
     return within_turn(degrees) if makes_a_turn else f"{fixed(degrees, 1)}°"
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
     """The cells of one signal: error, rounding, and both values where the error is largest."""
-    sign, (unit, value) = RUNS[verdict.outcome.value], verdict.shown
+    sign, unit, value = RUNS[verdict.outcome.value], verdict.unit, verdict.unit_value
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
-    moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
+    moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.time) else 0.0
     return (
         verdict.name + ("*" if verdict.near_zero else ""), TableCell(error, colour=sign.colour), share(verdict.floor),
         f"{moment:.5g} s", place, figure(verdict.value_there / value, 5), figure(verdict.truth_there / value, 5), unit,
@@ -213,9 +230,9 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
     """The JSON of one signal: its column, and where its error is largest, s and rad."""
     return {
         "name": verdict.name,
-        "column": verdict.samples.imported.column.header,
-        "place": verdict.samples.imported.column.place,
-        "taken": verdict.samples.imported.assumption,
+        "column": verdict.imported.column.header,
+        "place": verdict.imported.column.place,
+        "taken": verdict.imported.assumption,
         "rounding": verdict.floor,
         "near_zero": verdict.near_zero,
         "worst": {
@@ -256,9 +273,9 @@ def judged_curves(judgement: ImportedJudgement, most: int = MOST_ON_PAGE) -> lis
 
 def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
     """One signal's curves in the file's unit, thinned to their extremes and the worst sample."""
-    unit, value = verdict.shown
+    unit, value = verdict.unit, verdict.unit_value
     cause, without = judgement.without_cause(verdict)
-    curves = {"file": verdict.samples.values, "truth": verdict.truth, "without": without}
+    curves = {"file": verdict.values, "truth": verdict.truth, "without": without}
     differences = [curve - verdict.truth for curve in curves.values() if curve is not None]
     shown = (verdict.truth, *(np.nan_to_num(difference) for difference in differences))
     few = np.unique(np.concatenate([*(extreme_samples(values, STRETCHES) for values in shown), [verdict.worst]]))
@@ -266,7 +283,7 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
         key: None if y is None else [None if np.isnan(v) else v for v in (y[few] / value).tolist()]
         for key, y in curves.items()
     }
-    time, error = verdict.samples.time[few].tolist(), f"{share(verdict.error_max)} of the peak at most"
+    time, error = verdict.time[few].tolist(), f"{share(verdict.error_max)} of the peak at most"
     return JudgedCurve(verdict.name, unit, time, worst=verdict.worst_time, error=error, cause=cause, **drawn)
 
 

@@ -22,7 +22,17 @@ from analytic.description.linkage import GROUND, LOADS, Linkage, RotaryDamper, r
 from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
 from analytic.description.written import fixed, kind_unit, signed
-from comparisons.filejudge.simulation import CRANK, LINKAGE, MODES, MOTION, SignalTimes, Simulation, Values, is_rotary
+from comparisons.filejudge.simulation import (
+    CRANK,
+    INCOMPLETE,
+    LINKAGE,
+    MODES,
+    MOTION,
+    SignalTimes,
+    Simulation,
+    Values,
+    is_rotary,
+)
 
 Array = NDArray[np.float64]
 Numbers = tuple[float, ...]
@@ -208,6 +218,10 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
 
     yield Hypothesis(f"delay:{name}", free, lambda t: {shift: t}, late, (0.0,), (step,),
                      usual=tuple((k * step,) for k in (0.5, -0.5, 1.0, -1.0, 2.0, -2.0)))  # fmt: skip
+    for incomplete in INCOMPLETE if name == "Mkr" else ():
+        part = incomplete.removeprefix("Mkr without ")
+        words = f"Mkr lacks {part}, a velocity-quadratic part that grows as ω²"
+        yield _certain(f"no {part}:{name}", FaultKind.SETTING, {(name, "of"): incomplete}, words)
     yield from _single_samples(evidence)
     yield from _mistaken_quantities(evidence, simulation, names)
 

@@ -36,7 +36,9 @@ NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
-STEADY: Final = 1e-6  # of a speed: it is constant
+FEWEST_OF_NOISE: Final = 30  # samples that tell noise from a trend,
+LAGS: Final = (1, 2, 3)  # by its correlation with the next samples,
+SURE: Final = 4.0  # within so many standard deviations
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
 
 
@@ -107,24 +109,17 @@ NEAR_ZERO: Final = 0.01
 SETTING: Final = IMPORTED
 
 
-@dataclass(frozen=True)
-class SignalVerdict:
-    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``, in ``unit``.
+@dataclass(frozen=True, kw_only=True)
+class SignalVerdict(Evidence):
+    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``.
 
-    ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
-    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
-    jump of the crank's acceleration are not ``counted``: their errors count beyond the jump's size, those that are
-    still over the limit are ``over``, and ``truth_there`` is the side of the jump that is nearer to the file. ``shown``
-    is the unit of the linkage's file and its SI value.
+    ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``worst``
+    is the sample with the largest error. Samples at a jump of the crank's acceleration are not ``counted``: their
+    errors count beyond the jump's size, and where nothing else is over the limit they are counted ``over``.
+    ``truth_there`` is the side of the jump that is nearer to the file.
     """
 
-    samples: Samples
-    truth: Array
-    open: Array
-    counted: NDArray[np.bool_]
-    over: NDArray[np.bool_]
-    unit: str
-    scale: float
+    imported: ImportedSignal
     near_zero: bool
     limit: float
     error_max: float
@@ -133,37 +128,21 @@ class SignalVerdict:
     worst_angle: float
     truth_there: float
     outcome: Verdict
-    shown: tuple[str, float]
-
-    @property
-    def name(self) -> str:
-        """The signal's name."""
-        return self.samples.name
 
     @property
     def floor(self) -> float:
-        """The rounding over the scale."""
-        return float(np.max(self.open[self.counted], initial=0.0)) / self.scale
-
-    @property
-    def evidence(self) -> Evidence:
-        """The signal as evidence, to which causes of its difference are fitted."""
-        own, over = self.samples, np.abs(self.samples.values - self.truth) > self.limit * self.scale
-        alone = self.over & ~np.any(over & self.counted)  # nothing but samples at a jump is off
-        return Evidence(
-            own.name, own.time, own.values, self.truth, self.open, self.counted | alone, alone, self.scale, *self.shown,
-            self.unit, own.header,
-        )  # fmt: skip
+        """The largest that the file's rounding leaves open, over the scale."""
+        return float(np.max(self.rounding[self.counted], initial=0.0)) / self.scale
 
     @property
     def worst_time(self) -> float:
         """Instant of the largest error, s."""
-        return float(self.samples.time[self.worst])
+        return float(self.time[self.worst])
 
     @property
     def value_there(self) -> float:
         """The file's value, SI, at the largest error."""
-        return float(self.samples.values[self.worst])
+        return float(self.values[self.worst])
 
     @property
     def left_out(self) -> int:
@@ -171,35 +150,45 @@ class SignalVerdict:
         return int(np.sum(~self.counted))
 
     @property
+    def is_noise(self) -> bool:
+        """Whether the difference has no trend: no sample says anything of its mean, or of the next samples."""
+        rest = (self.values - self.truth)[self.counted]
+        size = float(rest @ rest)
+        if len(rest) < FEWEST_OF_NOISE or not size:
+            return False
+        trends = [float(np.sum(rest)) ** 2 / len(rest)]
+        trends += [float(rest[lag:] @ rest[:-lag]) ** 2 / size for lag in LAGS]
+        return max(trends) < SURE**2 * size / len(rest)
+
+    @property
     def detail(self) -> str:
         """Why the signal did not pass; "" where it did."""
         if self.outcome is Verdict.PASSED:
             return ""
-        if self.outcome is Verdict.UNDEFINED:
-            if not self.counted.any():
-                return "every sample lies at a jump of the crank's acceleration: export a longer run"
-            return (
-                "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
-                "digits, or say how it moves with --regime"
-            )
-        return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
+        if self.outcome is Verdict.OVER_LIMIT:
+            return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
+        if not self.counted.any():
+            return "every sample lies at a jump of the crank's acceleration: export a longer run"
+        return (
+            "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
+            "digits, or say how it moves with --regime"
+        )
 
     def deviation(self, motion: Motion) -> Deviation:
         """The curves of the signal, which a campaign keeps beside its record."""
-        time = self.samples.time
         return Deviation(
-            time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
+            self.time, motion.angle(self.time), self.values, self.truth, self.scale, self.error_max, self.error_rms,
             self.worst_time, int(np.sum(self.counted)), self.left_out,
         )  # fmt: skip
 
     def record(self, blank: Error) -> Error:
         """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
-        judged = self.outcome is not Verdict.UNDEFINED
+        errors = (self.error_max, self.error_rms) if self.outcome is not Verdict.UNDEFINED else (None, None)
         return blank._replace(
             quantity=self.name,
-            unit=self.unit,
-            error_max=self.error_max if judged else None,
-            error_rms=self.error_rms if judged else None,
+            unit=self.si,
+            error_max=errors[0],
+            error_rms=errors[1],
             limit=self.limit,
             outcome=self.outcome.value,
             detail=self.detail,
@@ -226,39 +215,32 @@ def _judge_signal(
     model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
     """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
-    jump, in_file = jump_sizes(model, signal), file_unit(unit(signal.name, model.linkage), model.linkage)
-    counted, size = jump == 0.0, np.abs(jump)
-    peak = float(np.max(np.abs(truth[counted] if counted.any() else truth)))
-    least = NEAR_ZERO * natural
-    near_zero = peak < least
-    scale = (least if near_zero else peak) or 1.0
-    error = np.maximum(np.abs(signal.values - truth) - size, 0.0)
-    worst = int(np.argmax(error))
-    over = error > limit * scale
-    sides = (float(truth[worst]), float(truth[worst] + jump[worst]))
+    si, jump = unit(signal.name, model.linkage), jump_sizes(model, signal)
+    in_file, counted = file_unit(si, model.linkage), jump == 0.0
+    peak, least = float(np.max(np.abs(truth[counted] if counted.any() else truth))), NEAR_ZERO * natural
+    scale = max(peak, least) or 1.0
+    apart = np.abs(signal.values - truth)
+    error = np.maximum(apart - np.abs(jump), 0.0)
+    worst, over = int(np.argmax(error)), error > limit * scale
+    alone = over & ~counted & ~np.any((apart > limit * scale) & counted)  # nothing but samples at a jump is off
     outcome = Verdict.PASSED
     if np.any(over & (error > open_)):
         outcome = Verdict.OVER_LIMIT
     elif np.any(over & (error > signal.rounding)) or not counted.any():
         outcome = Verdict.UNDEFINED  # the uncertainty of the crank's motion is over the limit
     return SignalVerdict(
-        samples=signal,
-        truth=truth,
-        open=open_,
-        counted=counted,
-        over=over & ~counted,
-        unit=unit(signal.name, model.linkage),
-        scale=scale,
-        near_zero=near_zero,
+        signal.name, signal.time, signal.values, truth, open_, counted | alone, alone, scale, in_file.on_page,
+        in_file.size, si, signal.header,
+        imported=signal.imported,
+        near_zero=peak < least,
         limit=limit,
         error_max=float(error[worst]) / scale,
         error_rms=float(np.sqrt(np.sum(error[counted] ** 2) / max(1, np.sum(counted)))) / scale,
         worst=worst,
         worst_angle=float(model.motion.angle(signal.time[worst])),
-        truth_there=min(sides, key=lambda side: abs(side - signal.values[worst])),
+        truth_there=float(min(truth[worst], truth[worst] + jump[worst], key=lambda y: abs(y - signal.values[worst]))),
         outcome=outcome,
-        shown=(in_file.on_page, in_file.size),
-    )
+    )  # fmt: skip
 
 
 def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
@@ -320,9 +302,9 @@ class ImportedJudgement:
         )
         if finding is None:
             return "", None
-        (wrong,) = finding.likeliest.applied(self.model).predict([verdict.samples])
+        (wrong,) = finding.likeliest.applied(self.model).predict([verdict])
         right = finding.aligned.get(verdict.name, Correction())
-        values = right.sign * right.factor * verdict.samples.values + verdict.truth - wrong
+        values = right.sign * right.factor * verdict.values + verdict.truth - wrong
         return finding.likeliest.words, np.where(verdict.counted, values, np.nan)
 
 
@@ -365,7 +347,7 @@ def judge(
     return ImportedJudgement(
         model,
         tuple(judged),
-        explain(model, [verdict.evidence for verdict in judged], names(model.mechanism), column),
+        explain(model, judged, names(model.mechanism), column),
         (
             *imported.not_judged,
             *((signal.imported.column, "a single sample") for signal in every if len(signal.time) < FEWEST),
@@ -411,23 +393,12 @@ def _samples_of(signal: ImportedSignal, motion: Motion, header: float) -> Sample
     """A signal at its times; over the crank angle those of a constant speed."""
     at, rounding = even_instants(signal.at, signal.at_resolution)
     if signal.axis == "phi":
-        speed = _steady_speed(motion)
+        speed = float(motion.speed(0.0))
         at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
         order = np.argsort(at, kind="stable")
         values, half = signal.values[order], signal.resolution[order]
         return Samples(signal.name, at[order], values, half, rounding[order], signal, header)
     return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal, header)
-
-
-def _steady_speed(motion: Motion) -> float:
-    """The speed, rad/s, of a motion that a file over the crank angle may have; raises LinkproofError for any other."""
-    speeds = motion.speed(np.linspace(0.0, motion.duration, FINE))
-    if not np.ptp(speeds) <= STEADY * np.max(np.abs(speeds)):
-        raise LinkproofError(
-            f"a file over the crank angle is judged at a constant speed, and '{motion.regime}' changes it: export the "
-            "time, or leave --regime out and say the speed with --speed, in rpm"
-        )
-    return float(speeds[0])
 
 
 def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
@@ -455,12 +426,12 @@ def _without_turns(signal: Samples, truth: Array, linkage: Linkage) -> Samples:
 def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
     """Signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
     for verdict in judged:
-        time = verdict.samples.time
+        time = verdict.time
         if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
             continue
         between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
         fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
-        whole = model.predict([replace(verdict.samples, time=fine)])[0]
+        whole = model.predict([SignalTimes(verdict.name, fine)])[0]
         peak = float(np.max(np.abs(whole)))
         share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
         if share > SPARSE * verdict.limit and not verdict.near_zero:

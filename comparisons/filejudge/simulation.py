@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Final
@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import changed
 from analytic.description.linkage import Linkage
+from analytic.dynamics.reduced import half_inertia_derivative
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
 from analytic.signals import signal, unit
 from comparisons.motion.case import Motion, Truth
 from comparisons.trials.judging.quantities import near_jumps
@@ -30,6 +32,11 @@ MODES: Final = (LINKAGE, "modes")  # a sign for each dyad
 MOTION: Final = (CRANK, "motion")  # another one
 MOTION_PARTS: Final = ("ground", "sliders", "slots", "pins", "output", "crank")  # besides the points of links
 JUMPING: Final = frozenset(("N", "N m", "W", "m/s²", "rad/s²"))  # units of signals that jump with the acceleration
+# A torque of inverse dynamics without a part that grows as ω², by its name in place of a signal's.
+INCOMPLETE: Final[Mapping[str, Callable[[Truth], Array]]] = {
+    "Mkr without ½ J′ω²": lambda at: at.torque - half_inertia_derivative(at.sweep) * at.speed**2,
+    "Mkr without centrifugal forces": lambda at: at.torque + _centrifugal(at.sweep) * at.speed**2,
+}
 SAME_INSTANT: Final = 1e-6  # of a step: the same instant
 
 
@@ -122,7 +129,8 @@ class Simulation:
         clock = at.tobytes()
         if (knobs.of, clock) not in self._seen:
             truth = truths.setdefault(clock, Truth(self.mechanism, self.motion, at))
-            self._seen[knobs.of, clock] = signal(truth, knobs.of)
+            formula = INCOMPLETE.get(knobs.of)
+            self._seen[knobs.of, clock] = formula(truth) if formula else signal(truth, knobs.of)
         values = self._seen[knobs.of, clock]
         if curve.name not in self.columns:
             return values
@@ -136,6 +144,15 @@ class Simulation:
         if knobs.stray is not None:
             values = np.where(np.isin(time, knobs.stray[0]), np.interp(time, *knobs.stray), values)
         return np.asarray(values)
+
+
+def _centrifugal(sweep: Sweep) -> Array:
+    """What a unit speed's centrifugal forces of all mass centres do at the origins of their links' frames, kg m²."""
+    total: Array = np.zeros(sweep.angle.shape)
+    for name, link in sweep.linkage.links.items():
+        (x, y), (at_x, at_y), (u, v) = sweep.centre(name), *(sweep.local_point(name, (0.0, 0.0), k) for k in (0, 1))
+        total = total + link.mass * sweep.rates(name)[2] ** 2 * ((x - at_x) * u + (y - at_y) * v)
+    return total
 
 
 def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:

@@ -115,7 +115,7 @@ def misses(linkage, every=1, first=0):
         results = exported(linkage, MOTION, NAMES, TIME[::2], digits=7, model=planted(fault, simulation))
         judgement = judge(linkage, results, MOTION)
         fits = [fit.fault.name for finding in judgement.explanation.findings for fit in finding.every]
-        if fault.name not in fits and any(differs(verdict.evidence) for verdict in judgement.verdicts):
+        if fault.name not in fits and any(differs(verdict) for verdict in judgement.verdicts):
             missed.append((fault.name, fits[:3]))
     return missed
 
@@ -152,7 +152,8 @@ def test_an_ordinary_fault_is_named_with_its_cure(name):
 def test_at_a_jump_the_side_that_was_judged_is_shown():
     verdict = next(v for v in judged("sw_forces").verdicts if v.name == "joint_force:O1:y")
     assert verdict.truth_there == pytest.approx(verdict.value_there, rel=1e-5)
-    assert judged("s_bdc").verdicts[-1].shown == ("mm", 1e-3)
+    stroke = judged("s_bdc").verdicts[-1]
+    assert (stroke.unit, stroke.unit_value) == ("mm", 1e-3)
 
 
 def test_what_a_cause_leaves_is_a_share_of_the_peak_that_it_makes():

@@ -1,6 +1,8 @@
 """Exported curves judged: planted faults named, clean ones passed, corrections said and never hidden."""
 
 from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
 from comparisons.filejudge.columns import Correction
 from comparisons.filejudge.judge import judge
+from comparisons.filejudge.reading import read_results
 from comparisons.filejudge.simulation import Simulation
 from comparisons.motion.case import case_of_file_regime
 from comparisons.trials.judging.records import Verdict
@@ -27,7 +30,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
 
     def change(values, time):
         wrong = values["Mkr"].copy()
-        wrong[50] += 0.5 * np.max(np.abs(wrong))
+        wrong[[0, 50]] += np.array([0.4, 0.5]) * np.max(np.abs(wrong))  # the first one at a jump
         return {**values, "Mkr": wrong}
 
     names = ("Mkr", "S")
@@ -35,6 +38,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
     torque, stroke = judgement.verdicts
     assert (torque.outcome, stroke.outcome) == (Verdict.OVER_LIMIT, Verdict.PASSED)
     assert torque.error_max == pytest.approx(0.5, rel=0.02)
+    assert torque.error_rms == pytest.approx(torque.error_max / np.sqrt(len(TIME) - 2), rel=1e-3)  # of what is counted
     assert torque.worst_time == pytest.approx(TIME[50])
     assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[50])))
     assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
@@ -190,3 +194,50 @@ def test_a_mass_centre_measured_the_other_way_is_among_the_causes_that_fit_alike
     results = exported(linkage, steady, ("Mkr", "joint_force:P2:y"), TIME, model=Simulation(turned, steady))
     (finding,) = judge(linkage, results, steady).explanation.findings
     assert {fit.fault.name for fit in finding.every} == {"rocker.P3.x", "rocker.centre"}
+
+
+def test_a_travel_is_no_angle_that_may_be_whole_turns_off():
+    linkage = load("comparisons/trials/conformance/linkages/driven-slider.toml")
+    (motion,) = (case_of_file_regime(Mechanism(linkage), own).motion for own in linkage.regimes if own.name == "stroke")
+    time = np.linspace(0.0, motion.duration, 101)
+    off = exported(linkage, motion, ("phi", "S"), time, change=lambda v, _: {**v, "phi": v["phi"] + 2.0 * np.pi})
+    assert judge(linkage, off, motion).verdicts[0].outcome is Verdict.OVER_LIMIT
+
+
+def test_noise_is_told_from_a_trend():
+    steady, noise = crank_motion("constant-speed"), np.random.default_rng(0).normal(size=len(TIME))
+
+    def noisy(values, _):
+        return {"Mkr": values["Mkr"] + 0.005 * np.max(np.abs(values["Mkr"])) * noise, "S": 1.02 * values["S"] ** 1.1}
+
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S"), TIME, change=noisy), steady)
+    assert [verdict.is_noise for verdict in judgement.verdicts] == [True, False]
+    assert "Mkr" in judgement.explanation.unexplained
+
+
+PAIRS = {  # of independent columns, each with its own fault
+    "sign:Mkr": lambda v: -v["Mkr"],
+    "unit:v": lambda v: 1e3 * v["v"],
+    "counted back:S": lambda v: np.max(v["S"]) - v["S"],
+}
+
+
+@pytest.mark.parametrize("pair", list(combinations(PAIRS, 2)))
+def test_faults_of_two_columns_are_both_named(pair):
+    steady = crank_motion("constant-speed")
+
+    def change(values, _):
+        return {**values, **{kind.partition(":")[2]: PAIRS[kind](values) for kind in pair}}
+
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S", "v"), TIME, change=change), steady)
+    assert {finding.likeliest.fault.name for finding in judgement.explanation.findings} == set(pair)
+
+
+def test_an_inverse_dynamics_without_centrifugal_forces_is_told_so():
+    """A curve of another program as it was published, ``foreign/inverse.toml`` says of which."""
+    linkage, file = (Path(__file__).with_name("foreign") / f"inverse.{suffix}" for suffix in ("toml", "csv"))
+    model = load(str(linkage))
+    judgement = judge(model, read_results([file], model), crank_motion("constant-speed", speed=1.0))
+    (finding,) = judgement.explanation.findings
+    assert "centrifugal forces, a velocity-quadratic part that grows as ω²" in finding.likeliest.words
+    assert (finding.fully, judgement.passed) == (True, False)

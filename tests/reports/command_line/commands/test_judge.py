@@ -66,6 +66,14 @@ def test_a_speed_alone_is_a_constant_speed(folder):
     assert "'Mkr [N*m]' is over the crank angle, which does not say when the crank was there in 'run-up'" in sentence
 
 
+def test_a_small_difference_of_a_right_file_is_told_with_its_cause(folder):
+    done = judge("off.csv", *RUN_UP, "--limit", "0.02")
+    assert done.returncode == 0
+    assert (
+        "Right within 2.0 %; a 1.00 % difference remains: every mass and moment of inertia is 1.01 times" in done.stdout
+    )
+
+
 def test_json_on_stdout_is_one_object(folder):
     done = judge("off.csv", *RUN_UP, "--json", "--limit", "0.001")
     document = json.loads(done.stdout)
