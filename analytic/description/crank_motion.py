@@ -32,7 +32,7 @@ LARGEST = 1e12  # rad/s, s or rad: beyond it the polynomials of time keep no dig
 
 @dataclass(frozen=True)
 class Segment:
-    """φ(t) = Σ coefficients[k] (t − start)^k for start ≤ t ≤ end, rad and s."""
+    """φ(t) = Σ coefficients[k] (t − start)^k for start ≤ t ≤ end, rad and s; of a law s(x), plain numbers."""
 
     start: Annotated[float, Kind.TIME]
     end: Annotated[float, Kind.TIME]
@@ -314,15 +314,6 @@ SINES: Final = (0.0, math.sqrt(0.5), 1.0, math.sqrt(0.5), 0.0, -math.sqrt(0.5), 
 
 
 @dataclass(frozen=True)
-class Piece:
-    """s(x) = Σ coefficients[k] (x − start)^k for start ≤ x ≤ end."""
-
-    start: float
-    end: float
-    coefficients: tuple[float, ...]
-
-
-@dataclass(frozen=True)
 class Wave:
     """s(x) = offset + slope x + amplitude sin θ, where θ grows evenly from ``first`` to ``last`` eighths of a turn."""
 
@@ -334,7 +325,7 @@ class Wave:
     first: int
     last: int
 
-    def pieces(self) -> Iterator[Piece]:
+    def pieces(self) -> Iterator[Segment]:
         """The wave in pieces of an eighth of a turn."""
         count = self.last - self.first
         length = (self.end - self.start) / count
@@ -347,21 +338,21 @@ class Wave:
             ]
             terms[0] += self.offset + self.slope * x
             terms[1] += self.slope
-            yield Piece(x, self.start + (number + 1) * length, tuple(terms))
+            yield Segment(x, self.start + (number + 1) * length, tuple(terms))
 
 
 @dataclass(frozen=True)
 class MotionLaw:
     """A law s(x) in pieces; ``peak`` is its largest ds/dx, ``at_rest`` whether that is 0 at both ends."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Segment, ...]
     peak: float
     at_rest: bool = True
 
 
 def _polynomial_law(peak: float, *coefficients: float, at_rest: bool = True) -> MotionLaw:
     """A law that is one polynomial over the whole move."""
-    return MotionLaw((Piece(0.0, 1.0, coefficients),), peak, at_rest)
+    return MotionLaw((Segment(0.0, 1.0, coefficients),), peak, at_rest)
 
 
 def _sine_law(peak: float, *waves: Wave) -> MotionLaw:
@@ -374,7 +365,8 @@ LAWS: Final[Mapping[str, MotionLaw]] = {
     CONSTANT_SPEED: _polynomial_law(1.0, 0.0, 1.0, at_rest=False),
     "cubic": _polynomial_law(1.5, 0.0, 0.0, 3.0, -2.0),
     "polynomial": MotionLaw(
-        (Piece(0.0, 0.5, (0.0, 0.0, 0.0, 10.0, -15.0, 6.0)), Piece(0.5, 1.0, (0.5, 1.875, 0.0, -5.0, 0.0, 6.0))), 1.875
+        (Segment(0.0, 0.5, (0.0, 0.0, 0.0, 10.0, -15.0, 6.0)), Segment(0.5, 1.0, (0.5, 1.875, 0.0, -5.0, 0.0, 6.0))),
+        1.875,
     ),
     "cycloidal": _sine_law(2.0, Wave(0.0, 1.0, 0.0, 1.0, -0.5 / math.pi, 0, 8)),
     "modified-sine": _sine_law(

@@ -29,6 +29,7 @@ from analytic.kinematics.structure import (
     GroupJoint,
     Revolute,
     Structure,
+    mobility,
     prismatic_joint,
     revolute_joint,
     structural_formula,
@@ -264,14 +265,12 @@ class _PlacedBodies:
         """Why bodies are left over: too many joints, or too few."""
         if division.locked:
             return self._overconstrained_text(division.locked)
-        pins = sum(len(pin.links) - 1 for pin in self.linkage.pins)
-        moving, lower_pairs = len(self.bodies), pins + len(self.linkage.sliders)
         carriers = _carriers(self.linkage)
         single = sorted(f"'{p}'" for name in division.loose for p in self.bodies[name].points if len(carriers[p]) == 1)
         points = f"; on one link only: {listed(single)}" if single else ""
         return (
-            f"'{self.linkage.name}': expected mobility 1, got {3 * moving - 2 * lower_pairs} (3·{moving} links - "
-            f"2·{lower_pairs} joints); add a joint to {_quoted(division.loose)} (a point of one name on two links is a "
+            f"'{self.linkage.name}': expected mobility 1, got {mobility(self.linkage).formula}; add a joint to "
+            f"{_quoted(division.loose)} (a point of one name on two links is a "
             f"joint{points})"
         )
 

@@ -5,9 +5,9 @@ differentiated) up to the roundings in them, and up to the errors of the placed 
 residuals are the equations' values, computed in numbers that carry their errors, so that an error of the solver counts
 too. All three systems have the Jacobian J of the joint equations, so |J⁻¹| times these residuals bounds the error, body
 after body along the chain. |J⁻¹| grows as the reciprocal of the transmission angle's sine: near a dead position the
-bound shows it, and it is infinite where the linearisation itself breaks down. Over 324 random four-bars,
-slider-cranks, quick returns and six-bars of 50 digits the true error came up to 0.54 of the bound, before the residual
-itself counted, and it may come nearer.
+bound shows it, and it is infinite where the linearisation itself breaks down. Over 1,000 random four-bars,
+slider-cranks, quick returns and six-bars of 50 digits the true error came up to 0.50 of the bound, 0.14 in the middle,
+and it may come nearer.
 """
 
 from __future__ import annotations

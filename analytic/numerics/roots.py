@@ -15,36 +15,22 @@ SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones
 
 
 def root(function: Callable[[float], float], left: float, right: float) -> float:
-    """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits.
-
-    The Illinois method: false position, with the value at the end that stays halved, so that neither end is stuck.
-    """
-    low, high = function(left), function(right)
-    for _ in range(MOST_STEPS):
-        if low == 0.0 or high == 0.0 or abs(right - left) <= 0.0:
-            break
-        middle = right - high * (right - left) / (high - low)
-        if not min(left, right) < middle < max(left, right):
-            middle = 0.5 * (left + right)
-            if middle in (left, right):
-                break
-        value = function(middle)
-        if (value > 0.0) == (high > 0.0) and value != 0.0:
-            low *= 0.5
-        else:
-            left, low = right, high
-        right, high = middle, value
-    return right if abs(high) <= abs(low) else left
+    """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits."""
+    ends = np.array([left]), np.array([right])
+    return float(roots(lambda place: np.array([function(float(place[0]))]), ends[0], *ends, settled=0.0)[0])
 
 
-def roots(function: Callable[[Array], Array], left: Array, middle: Array, right: Array) -> Array:
+def roots(
+    function: Callable[[Array], Array], left: Array, middle: Array, right: Array, settled: float = SETTLED
+) -> Array:
     """Where each of many continuous functions is zero within its bracket, (m,), to 2e-13 of the bracket's width.
 
     ``function`` gives the value of each at its own place. One that does not change sign within its bracket has its
-    ``middle`` for an answer. The Illinois method, as ``root`` has it.
+    ``middle`` for an answer. The Illinois method: false position, with the value at the end that stays halved, so that
+    neither end is stuck.
     """
     low, high = function(left), function(right)
-    least = SETTLED * np.maximum(np.abs(low), np.abs(high))
+    least = settled * np.maximum(np.abs(low), np.abs(high))
     sought = (low > 0.0) != (high > 0.0)
     best = np.where(sought, np.where(np.abs(low) < np.abs(high), left, right), middle)
     for _ in range(MOST_STEPS):

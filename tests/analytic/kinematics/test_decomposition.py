@@ -80,7 +80,10 @@ FAULTS = [
     ),
     (_links(crank={"O": (0, 0), "P": (3, 0)}), r"and no other joint to it, got pin 'O', pin 'P'"),
     (_links(crank=CRANK) + SLIDING, r"or .* joint to it, got pin 'O', slide of 'ground' and 'crank'"),
-    (CHAIN, r"'sample': expected mobility 1, got 2 \(3·4 links - 2·5 joints\); add a joint to 'last', 'next', 'rod'"),
+    (
+        CHAIN,
+        r"'sample': expected mobility 1, got 2 = 3·4 links - 2·5 pins and slides; add a joint to 'last', 'next', 'rod'",
+    ),
     (
         _links(crank=CRANK, stray={"Q": (0, 0), "S": (2, 0)}),
         r"add a joint to 'stray' \(.* on one link only: 'Q', 'S'\)",
