@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike
 
-    from reports.designs.linkages import Check, Listing, New
+    from reports.designs.linkages import Check, New
+    from reports.designs.shelves import Listing
     from reports.studies.designs import LazySweep, Optimisation, Results, Sweep, Tolerance
     from reports.studies.judged import Judgement
 
@@ -51,12 +52,13 @@ def mechanisms(
     MECHANISM is a name in the catalogue or the path of a .toml file: its figures for sweep, optimise and tolerance are
     listed, and the numbers that they can vary, in the units of the file.
     """
-    from reports.api.linkages import load_linkage
-    from reports.designs import linkages
-
     if mechanism is None:
-        return linkages.listed_mechanisms()
+        from reports.designs.shelves import listed_mechanisms
+
+        return listed_mechanisms()
+    from reports.api.linkages import load_linkage
     from reports.api.steady import steady_case
+    from reports.designs import linkages
 
     found = steady_case(load_linkage(mechanism), STILL)
     return linkages.listed_figures(found.mechanism, found.conditions, found.case)

@@ -62,7 +62,7 @@ def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, A
     """Whether the study in the folder of ``output`` is asked for and finished; the options of what is to be run."""
     if output.out is None:
         return False, bags
-    from reports.command_line.destination import own_study
+    from reports.command_line.unfinished import own_study
 
     return own_study(app, command, output.out, bags)
 

@@ -2,35 +2,26 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import io
-import shlex
 import sys
 import webbrowser
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
-from dataclasses import replace
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.environment import INCIDENTAL, environment
 from comparisons.trials.runs.files import check_folder, check_writable, write_file
-from comparisons.trials.runs.plugins import engine
-from comparisons.trials.runs.store import Runs, begin, has_study, to_json, unfinished_command
-from reports.api.options import Option, OutputOptions, ResultsFiles, command_line, declared_options
-from reports.command_line.parameters import option_bag
+from reports.api.options import OutputOptions, ResultsFiles
 from reports.document.parts import Paragraph
 from reports.document.study import NOTHING, Content, Study, check_saves
 from reports.document.terminal import Printed, Printout, harmless, show, write
 
 if TYPE_CHECKING:
+    from analytic.description.linkage import Linkage
     from comparisons.trials.judging.changes import Change
     from comparisons.trials.judging.records import Run
 
@@ -152,6 +143,8 @@ class Destination(OutputOptions):
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Print JSON if requested, in UTF-8 whatever the character set of stdout."""
         if self.json:
+            from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
+
             write_to_stdout(to_json(document))
 
     def write_junit(self, runs: Iterable[Run], changes: Sequence[Change]) -> None:
@@ -206,89 +199,3 @@ def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None
         yield announce
     finally:
         bar.stop()
-
-
-# Interrupted commands: the finished runs, and the sentence that says how to go on.
-
-Announce = Callable[[str, int, int], None]
-
-
-def finished_runs(
-    folder: Path,
-    command: str,
-    engines: Iterable[str] = (),
-    linkages: Iterable[Linkage] = (),
-    *,
-    full_command: str = "",
-) -> Runs:
-    """The runs of the same request that are finished in a folder; those of another one are removed.
-
-    Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
-    engines are equal. ``full_command`` has limits of time, too, and all else that decides no result.
-    """
-    facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
-    facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
-    facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
-    request = "\n".join([command, *(f"{name} {value}" for name, value in facts.items())])
-    finished, other = begin(folder, request, full_command or command)
-    if other:
-        show(f"what was unfinished in '{folder}' was another request ({other}): it is begun anew", stderr=True)
-    return finished
-
-
-@contextmanager
-def report_interruption(folder: Path | None, command: str) -> Iterator[Callable[[Announce], Announce]]:
-    """A wrapper that counts the runs passed to ``announce``.
-
-    Ctrl-C raises KeyboardInterrupt with the number of runs saved in ``folder``, and the ``command`` that finishes them.
-    """
-    finished, total = 0, 0
-
-    def counting(announce: Announce) -> Announce:
-        def announce_run(label: str, number: int, count: int) -> None:
-            nonlocal finished, total
-            finished, total = number, count
-            announce(label, number, count)
-
-        return announce_run
-
-    try:
-        yield counting
-    except KeyboardInterrupt as interrupt:
-        if folder is None or not total:
-            raise
-        raise KeyboardInterrupt(
-            f"{finished} of {total} runs are saved in {folder}: repeat the command, or linkproof {command} --out "
-            f"{shlex.quote(str(folder))}, to finish"
-        ) from interrupt
-
-
-def own_study(app: click.Group, command: str, folder: Path, bags: tuple[Any, ...]) -> tuple[bool, tuple[Any, ...]]:
-    """Whether the folder's own study of a command is asked for and finished; the options of what is to be run.
-
-    It is asked for unless the ``bags`` have an option that affects the results. Of an unfinished study the options are
-    those that began it; nothing else is taken from the folder.
-    """
-    if command_line(command, *bags) != f"linkproof {command}":
-        return False, bags
-    words = _unfinished_words(command, folder)
-    if not words:
-        return has_study(folder, command), bags
-    typed = app.commands[command].make_context(command, words).params
-    return False, tuple(replace(option_bag(type(bag), typed), **_without_effect(bag)) for bag in bags)
-
-
-def _unfinished_words(command: str, folder: Path) -> list[str]:
-    """The arguments and options of the command that began what is unfinished; empty if it is another command."""
-    try:
-        words = shlex.split(unfinished_command(folder))
-    except ValueError as error:
-        raise LinkproofError(f"'{folder}' has a damaged command ({error}): type the whole command") from error
-    return words[2:] if words[:2] == ["linkproof", command] else []
-
-
-def _without_effect(bag: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
-    """The given options that do not affect the results."""
-    infos = {option.field.name: option.info for option in declared_options(type(bag))}
-    names = [name for name, info in infos.items() if isinstance(info, Option) and not info.affects_results]
-    return {name: getattr(bag, name) for name in names}

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, literature, load
 from analytic.description.written import finite, in_unit
 from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, is_safe
@@ -28,6 +27,7 @@ from comparisons.designer.open_ends import BINDS
 from comparisons.designer.parameters import named_figures, parameters, speed_unit
 from comparisons.motion.case import Case
 from comparisons.trials.runs.files import check_writable, write_file
+from reports.designs.shelves import Listing
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.study import PICTURES, Content, Study
@@ -193,32 +193,6 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
 TOUCH: Final = 1e-9  # of the largest of its kind: the least magnitude of what passes zero is known no nearer
 
 
-SHELVES: Final = {
-    "catalogue": "The catalogue, taken where nothing is named",
-    "literature": "Linkages of the literature, taken where they are named",
-}
-
-
-@dataclass(frozen=True, repr=False)
-class Listing(Study):
-    """What is listed: ``parts`` in print, ``table`` as JSON."""
-
-    parts: Sequence[Printed]
-    table: Mapping[str, Any]
-
-    def printout(self) -> Printout:
-        """The tables."""
-        return Printout(self.parts, ())
-
-    def sentence(self) -> Printed:
-        """How many there are."""
-        return ", ".join(f"{len(rows)} {name}" for name, rows in self.table.items() if isinstance(rows, list))
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """The same as data."""
-        return self.table
-
-
 def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing:
     """Every figure of a design under a motion, extremes refined, and every number, in file units.
 
@@ -265,26 +239,3 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
 def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callable[[Any], str]) -> Table:
     cells = [(row["name"], row["units"], written(row["value"])) for row in rows]
     return Table("", (what, "unit", "value"), cells, "llr")
-
-
-def listed_mechanisms() -> Listing:
-    """The suite's linkages, shelf by shelf."""
-    names = (catalogue(), literature())
-    shelves = {shelf: [load(name) for name in shelf_names] for shelf, shelf_names in zip(SHELVES, names, strict=True)}
-    parts = _shelves({SHELVES[shelf]: linkages for shelf, linkages in shelves.items()})
-    return Listing(parts, {"records": [_linkage_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
-
-
-def _linkage_entry(linkage: Linkage, shelf: str) -> dict[str, object]:
-    facts = {"title": linkage.title, "source": linkage.source, "variants": list(linkage.variants)}
-    return {"mechanism": linkage.name, "shelf": shelf, **facts}
-
-
-def _shelves(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
-    """Mechanisms with their variants and sources, shelf by shelf: a table each, its heading before it."""
-    blocks: list[Printed] = []
-    for heading, linkages in shelves.items():
-        rows = [(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source) for linkage in linkages]
-        table = Table("", ("mechanism", "what", "variants", "source"), rows, "l")
-        blocks += ["", Paragraph(f"{heading}:", colour="bold"), table] if rows else []
-    return blocks[1:]

@@ -13,7 +13,6 @@ from markupsafe import escape
 
 from analytic.errors import LinkproofError, install_words
 from comparisons.trials.runs.files import check_writable, write_file
-from comparisons.trials.runs.store import to_json
 from reports.document.terminal import Printed, Printout, rendered
 
 if TYPE_CHECKING:
@@ -48,6 +47,8 @@ class Study:
 
     def json(self) -> str:
         """The same as a text."""
+        from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
+
         return to_json(self.to_dict())
 
     def brief(self) -> Sequence[Printed]:

@@ -20,7 +20,8 @@ from comparisons.trials.work_precision.table import KIND, load, save
 from reports.api.campaign import missing_engines, request
 from reports.api.exit_codes import bench_exit_code
 from reports.api.options import BenchOptions, Motion, RunsOptions, command_line
-from reports.command_line.destination import Destination, finished_runs, report_interruption
+from reports.command_line.destination import Destination
+from reports.command_line.unfinished import finished_runs, report_interruption
 from reports.work_precision.words import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)

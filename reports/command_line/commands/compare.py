@@ -13,7 +13,8 @@ from reports.api.campaign import DEFAULT_LIMITS, DEFAULT_STANDARD, campaign, che
 from reports.api.exit_codes import campaign_exit_code
 from reports.api.options import CompareOptions, RunLimits, StandardOptions
 from reports.campaign.terminal import printout
-from reports.command_line.destination import Destination, Writers, finished_runs, report_interruption
+from reports.command_line.destination import Destination, Writers
+from reports.command_line.unfinished import finished_runs, report_interruption
 
 PAGE = "index.html"
 WRITERS: Final[Writers] = {

@@ -11,7 +11,8 @@ from comparisons.trials.stress.cells import cells, chosen_axes, find_cell
 from reports.api.campaign import RunResources, missing_engines, requested_engines, run_resources
 from reports.api.exit_codes import stress_exit_code
 from reports.api.options import RunLimits, StressOptions, command_line
-from reports.command_line.destination import Destination, finished_runs, report_interruption
+from reports.command_line.destination import Destination
+from reports.command_line.unfinished import finished_runs, report_interruption
 from reports.stress import cell_details, printout
 
 

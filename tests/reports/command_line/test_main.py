@@ -21,7 +21,7 @@ from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.api.campaign import request
 from reports.api.options import BenchOptions, CompareOptions, RunLimits, command_line
 from reports.command_line.app import app
-from reports.command_line.destination import finished_runs, own_study
+from reports.command_line.unfinished import finished_runs, own_study
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
 from tests.comparisons.faults import announce, wait_for
 
@@ -123,7 +123,7 @@ def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, e
     def fail():
         raise error
 
-    monkeypatch.setattr("reports.designs.linkages.listed_mechanisms", fail)
+    monkeypatch.setattr("reports.designs.shelves.listed_mechanisms", fail)
     done = linkproof("list")
     assert (done.returncode, done.stderr.count("\n")) == (code, 1)
     assert done.stderr.startswith(f"linkproof: {sentence}")

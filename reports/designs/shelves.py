@@ -1,0 +1,60 @@
+"""The mechanisms that come with the suite: read as plain tables, so that the list appears at once."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from reports.document.parts import Paragraph, Table
+from reports.document.study import Study
+from reports.document.terminal import Printed, Printout
+
+CATALOGUE: Final = Path(__file__).parents[2] / "analytic" / "catalogue"
+# Of a shelf its folder and its heading.
+SHELVES: Final = {
+    "catalogue": (CATALOGUE, "The catalogue, taken where nothing is named"),
+    "literature": (CATALOGUE / "literature", "Linkages of the literature, taken where they are named"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Listing(Study):
+    """What is listed: ``parts`` in print, ``table`` as JSON."""
+
+    parts: Sequence[Printed]
+    table: Mapping[str, Any]
+
+    def printout(self) -> Printout:
+        """The tables."""
+        return Printout(self.parts, ())
+
+    def sentence(self) -> Printed:
+        """How many there are."""
+        return ", ".join(f"{len(rows)} {name}" for name, rows in self.table.items() if isinstance(rows, list))
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The same as data."""
+        return self.table
+
+
+def listed_mechanisms() -> Listing:
+    """The suite's linkages with their variants and sources, shelf by shelf: a table each, its heading before it."""
+    parts: list[Printed] = []
+    records = []
+    for shelf, (folder, heading) in SHELVES.items():
+        entries = [_entry(path, shelf) for path in sorted(folder.glob("*.toml"), key=lambda path: path.stem)]
+        rows = [(row["mechanism"], row["title"], ", ".join(row["variants"]), row["source"]) for row in entries]
+        table = Table("", ("mechanism", "what", "variants", "source"), rows, "l")
+        parts += [*([""] if parts else []), Paragraph(f"{heading}:", colour="bold"), table]
+        records += entries
+    return Listing(parts, {"records": records})
+
+
+def _entry(path: Path, shelf: str) -> dict[str, Any]:
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    variants = [table.get("variant", "base"), *sorted(table.get("variants", {}))]
+    facts = {"title": table["title"], "source": table["source"], "variants": variants}
+    return {"mechanism": path.stem, "shelf": shelf, **facts}
