@@ -310,7 +310,7 @@ class EquationOfMotion:
         if self.mechanism.linkage.is_linear:
             return self
         try:
-            table = tabulate(self.closed_form, degree, ends=(0.0, self.period), period=self.period)
+            table = tabulate(self.closed_form, degree, period=self.period)
         except AssemblyError:
             return self
         return replace(self, table=table)

@@ -83,6 +83,8 @@ def farthest_between(mechanism: Mechanism, angle: Array) -> float:
     top = top_of_turn(mechanism)
     if top is not None:
         return top
+    if not angle.size:
+        return 0.0  # there is no S to count
     places = np.linspace(np.min(angle), np.max(angle), RANGE_POINTS)
     return float(
         highest(lambda phi: mechanism.sweep(phi).output()[None], places, mechanism.sweep(places).output()[None])[0][0]

@@ -37,9 +37,9 @@ MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are,
 
 @dataclass(frozen=True)
 class PeriodicTable:
-    """Functions of a ``period``, 2π, or infinite for those of a travel.
+    """Functions of a period, which ``edges`` (cells + 1,), rad, span from 0 on.
 
-    ``edges`` (cells + 1,), rad, span a period or less; ``coefficients`` (cells, degree + 1, functions) are of powers
+    ``coefficients`` (cells, degree + 1, functions) are of powers
     of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation between the nodes,
     relative to the function's peak, or to its rounding if that is more than ``SMALL`` of it.
     """
@@ -47,7 +47,6 @@ class PeriodicTable:
     edges: Array
     coefficients: Array
     error: float
-    period: float = FULL_TURN
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
@@ -57,8 +56,7 @@ class PeriodicTable:
 
     def __call__(self, angle: Array) -> Array:
         """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
-        first, (borders, middle, scale) = self.edges[0], self._cells
-        turned = angle.ravel() % self.period if first == 0.0 else first + (angle.ravel() - first) % self.period
+        turned, (borders, middle, scale) = angle.ravel() % self.edges[-1], self._cells
         cell = borders.searchsorted(turned, "right")
         powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
         powers[:, 0, 0] = 1.0
@@ -68,21 +66,12 @@ class PeriodicTable:
         return np.asarray(values.T.reshape(self.coefficients.shape[2], *angle.shape))
 
 
-def tabulate(
-    functions: Functions,
-    degree: int = DEGREE,
-    *,
-    ends: tuple[float, float] = (0.0, FULL_TURN),
-    period: float = FULL_TURN,
-) -> PeriodicTable:
-    """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree.
-
-    The table spans the angles between ``ends``, rad, a ``period`` at most.
-    """
+def tabulate(functions: Functions, degree: int = DEGREE, *, period: float = FULL_TURN) -> PeriodicTable:
+    """Tabulate functions (angles (n,) to values (functions, n)) over a period, rad, with polynomials of a degree."""
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
     checked = np.vander(between, degree + 1, increasing=True)
-    edges = np.linspace(*ends, FIRST_CELLS + 1)
+    edges = np.linspace(0.0, period, FIRST_CELLS + 1)
     left, right = edges[:-1], edges[1:]
     parents: Array = np.full(len(left), np.inf)
     noise = _rounding(functions, left, right, nodes)
@@ -112,7 +101,7 @@ def tabulate(
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
     return PeriodicTable(
-        np.append(starts[order], ends[1]), np.ascontiguousarray(coefficients[order]), float(errors.max()), period
+        np.append(starts[order], period), np.ascontiguousarray(coefficients[order]), float(errors.max())
     )
 
 

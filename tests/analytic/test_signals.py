@@ -102,6 +102,7 @@ def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_whe
     swing = CrankMotion("swing", (Segment(0.0, 0.1, (math.radians(60), math.radians(200))),))
     assert not {"S", "v", "a"} & {*names(rocker)}
     with_output = from_text('output = { point = "C", along = [1, 0] }\n' + DOUBLE_ROCKER)
+    assert evaluate(with_output, [], ["S"])["S"].shape == (0,)
     displacement = signal(Case(with_output, swing).at(np.linspace(0.0, 0.1, 2001)), "S")
     assert np.min(displacement) == 0.0
     assert np.max(displacement) > 0.0
