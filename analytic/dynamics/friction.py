@@ -6,9 +6,9 @@ force analysis for each joint with friction
 
     x = μ r |F₀ + A x|
 
-is all that is left at every crank angle; Newton's method solves it from x = 0, and the branch that it has to be on,
-that of small μ, shows in the sign of its determinant. Where it has no such solution the linkage is self-locking: no
-drive moves it. (Friction circles: F. Grashof, Theoretische Maschinenlehre, 1883.)
+is all that is left at every crank angle. Substitution or Newton's method solves it from x = 0, and the branch that it
+has to be on, that of small μ, shows in the sign of its determinant. Where it has no such solution the linkage is
+self-locking: no drive moves it.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
 
-MOST_STEPS: Final = 60
-SETTLED: Final = 4e-15  # a step of Newton's method over the largest friction
+MOST_ROUNDS, MOST_STEPS = 16, 60  # of substitution, of Newton's method
+SETTLED: Final = 4e-15  # a step over the largest friction of the angle
 
 
 class Contact(NamedTuple):
@@ -96,11 +96,13 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     rubbing = list(contacts(sweep))
     units = [joint_forces.reactions_to(sweep, _scaled(contact, direction)) for contact in rubbing]
     names = [contact.joint for contact in rubbing]
-    sizes = np.array([np.broadcast_to(contact.size, sweep.angle.shape) for contact in rubbing])
-    free = np.stack([plain.forces[name] for name in names])
-    slopes = np.stack([[unit.forces[name] for unit in units] for name in names])
-    frictions, is_solved = _equilibrium(sizes, free, slopes)
-    _check(sweep, is_solved)
+    count, shape = len(names), sweep.angle.shape
+    sizes = np.array([np.broadcast_to(contact.size, shape) for contact in rubbing]).reshape(count, -1)
+    free = np.stack([plain.forces[name] for name in names]).reshape(count, 2, -1)
+    slopes = np.stack([[unit.forces[name] for unit in units] for name in names]).reshape(count, count, 2, -1)
+    found, is_solved = _equilibrium(sizes, free, slopes)
+    _check(sweep, is_solved.reshape(shape))
+    frictions = found.reshape(count, *shape)
     forces = {name: force + sum(x * unit.forces[name] for x, unit in zip(frictions, units, strict=True))
               for name, force in plain.forces.items()}  # fmt: skip
     share = np.sum([x * unit.torque for x, unit in zip(frictions, units, strict=True)], axis=0)
@@ -122,25 +124,48 @@ def _scaled(contact: Contact, direction: Array) -> list[Load]:
 
 
 def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The frictions (m, ...) of forces ``free`` (m, 2, ...) + ``slopes`` (m, m, 2, ...) x, and where they are found."""
-    frictions, step = np.zeros_like(sizes), np.zeros_like(sizes)
-    unit = np.eye(len(sizes))
+    """The frictions (m, n) of forces ``free`` (m, 2, n) + ``slopes`` (m, m, 2, n) x, and where they are found (n,).
+
+    Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left.
+    """
+    frictions = np.zeros_like(sizes)
     with np.errstate(all="ignore"):  # of what is found nowhere
-        for _ in range(MOST_STEPS):
-            forces = free + np.einsum("jkc...,k...->jc...", slopes, frictions)
-            magnitudes = np.maximum(np.hypot(forces[:, 0], forces[:, 1]), TINY)
-            along = np.einsum("jc...,jkc...->jk...", forces / magnitudes[:, None], slopes)
-            matrix = unit - np.moveaxis(sizes[:, None] * along, (0, 1), (-2, -1))
-            rest = np.moveaxis(frictions - sizes * magnitudes, 0, -1)
-            usable = np.where(np.isfinite(matrix), matrix, unit)
-            step = np.moveaxis(np.linalg.solve(usable, rest[..., None])[..., 0], -1, 0)
-            frictions = frictions - step
-            largest = np.max(np.abs(frictions), axis=0)
-            is_solved = np.all(np.abs(step) <= SETTLED * largest, axis=0)
-            if np.all(is_solved | ~np.isfinite(largest)):
-                break
-        is_solved &= np.all(frictions >= 0.0, axis=0) & (np.linalg.det(usable) > 0.0)
+        for _ in range(MOST_ROUNDS):
+            before, frictions = frictions, sizes * np.hypot(*_forces(free, slopes, frictions))
+            is_solved = _is_settled(frictions - before, frictions)
+            if np.all(is_solved):
+                return frictions, is_solved
+        left = np.flatnonzero(~is_solved & np.all(np.isfinite(free), axis=(0, 1)))
+        frictions[:, left], is_solved[left] = _by_newton(sizes[:, left], free[..., left], slopes[..., left])
     return frictions, is_solved | ~np.all(np.isfinite(free), axis=(0, 1))
+
+
+def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
+    """Forces of the joints with friction, (2, m, n)."""
+    return np.moveaxis(free + np.einsum("jkcn,kn->jcn", slopes, frictions), 1, 0)
+
+
+def _is_settled(step: Array, frictions: Array) -> NDArray[np.bool_]:
+    return np.all(np.abs(step) <= SETTLED * np.max(np.abs(frictions), axis=0), axis=0)
+
+
+def _by_newton(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """As ``_equilibrium``, from no friction on; the branch of small coefficients has a determinant above zero."""
+    frictions, step, unit = np.zeros_like(sizes), np.ones_like(sizes), np.eye(len(sizes))
+    matrix = np.broadcast_to(unit, (sizes.shape[1], *unit.shape))
+    for _ in range(MOST_STEPS):
+        if np.all(_is_settled(step, frictions)):
+            break
+        forces = _forces(free, slopes, frictions)
+        magnitudes = np.maximum(np.hypot(*forces), TINY)
+        along = np.einsum("cjn,jkcn->jkn", forces / magnitudes, slopes)
+        matrix = unit - np.moveaxis(sizes[:, None] * along, (0, 1), (-2, -1))
+        matrix = np.where(np.isfinite(matrix), matrix, unit)
+        rest = (frictions - sizes * magnitudes).T
+        step = np.linalg.solve(matrix, rest[..., None])[..., 0].T
+        frictions = frictions - step
+    is_branch = np.all(frictions >= 0.0, axis=0) & (np.linalg.det(matrix) > 0.0)
+    return frictions, _is_settled(step, frictions) & is_branch
 
 
 def _check(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
