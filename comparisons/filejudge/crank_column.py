@@ -16,8 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, PPoly, make_lsq_spline, make_splrep
+from scipy.ndimage import maximum_filter1d
 from scipy.optimize import least_squares
-from scipy.signal import find_peaks
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
 from analytic.errors import LinkproofError
@@ -328,7 +328,8 @@ def _corners(samples: _Samples, smooth: BSpline) -> Array | None:
     """
     time, degree = samples.time, 2 - samples.of_speed
     jerk = np.abs(smooth.derivative(degree + 1)(time))
-    found, _ = find_peaks(jerk, height=CORNER * np.max(jerk), distance=max(1, len(time) // TRIED_TIMES))
+    highest = maximum_filter1d(jerk, 2 * (len(time) // TRIED_TIMES) + 1)
+    found = np.flatnonzero((jerk == highest) & (jerk > CORNER * np.max(jerk)))
     if not 0 < len(found) <= MOST_CORNERS:
         return None
 

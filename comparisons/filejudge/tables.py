@@ -36,9 +36,8 @@ LARGEST: Final = 1 << 27  # bytes of a file, and of what is packed in it
 MOST_NUMBERS: Final = 10_000_000  # of a file
 MOST_COLUMNS: Final = 10_000
 MOST_LINES: Final = 5000  # of text, headers among them
-LARGEST_NUMBER: Final = (
-    1e100  # of a number: squares of larger ones are beyond all numbers; what is smaller than 1 / it is 0
-)
+# Of a number: squares of larger ones are beyond all numbers. What is smaller than 1 over it is 0.
+LARGEST_NUMBER: Final = 1e100
 READER: Final = Bounds(60.0, 1 << 30)  # of the process that reads a workbook or a MATLAB file
 
 R = TypeVar("R")
