@@ -23,6 +23,7 @@ from comparisons.trials.work_precision.fronts import (
     large_overheads,
     places,
     quantities,
+    rows,
     standings,
     sweeps,
 )
@@ -205,7 +206,7 @@ def place_data(place: DataFrame) -> dict[str, Any]:
     known: dict[tuple[object, ...], dict[str, Any]] = {}
     peaks = {}
     for points in (points for name in names for points in engines(place, name)):
-        for record in points[points.finished].itertuples():
+        for record in rows(points[points.finished]):
             point = _point_as_dict(known.setdefault(_sweep_key(record), _shared_facts(record)), record)
             errors = (drawn_error(record), record.error_max, record.error_rms)
             point["errors"][record.quantity] = [*map(_digits, errors)]

@@ -7,9 +7,10 @@ long is not cheap. ``points`` are rows of one engine in one quantity of a mechan
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import defaultdict, namedtuple
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -127,9 +128,20 @@ def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> floa
 
 
 LARGE_OVERHEAD = 0.3  # of the stepping: a larger share of work that is not the engine's is named
-Row = Any  # of a table, as ``DataFrame.itertuples`` has it
+Row = Any  # of a table: a named tuple
 PLACE = ["mechanism", "variant", "regime"]
 FOREMOST = ("Mkr", "phi")  # the quantity by which a place is judged unless the user names others: the first that it has
+
+
+def rows(points: DataFrame) -> list[Row]:
+    """The rows of a table, whose columns are their names; ``DataFrame.itertuples`` takes ten times as long."""
+    row = _row_type(tuple(points.columns))
+    return [row._make(values) for values in points.to_numpy(dtype=object).tolist()]
+
+
+@cache
+def _row_type(columns: tuple[str, ...]) -> Row:
+    return namedtuple("Row", columns)
 
 
 def sweeps(points: DataFrame) -> list[DataFrame]:
@@ -141,7 +153,7 @@ def sweeps(points: DataFrame) -> list[DataFrame]:
 
 def least(points: DataFrame) -> Row:
     """The point of the smallest error."""
-    return min(points.itertuples(index=False), key=lambda row: row.error_max)
+    return min(rows(points), key=lambda row: row.error_max)
 
 
 def has_floor(sweep: DataFrame) -> bool:
@@ -162,10 +174,10 @@ def judged(bench: Bench) -> Bench:
     for sweep in sweeps(bench.table):
         order = observed_order(list(sweep.step), list(sweep.error_max))
         if order is not None:
-            for row in sweep.itertuples():
+            for row in rows(sweep):
                 orders[row.key][row.quantity] = order
     for _, points in bench.table.groupby([*PLACE, "quantity", "engine", "is_extrapolated"], sort=False):
-        for row in front(points).itertuples():
+        for row in rows(front(points)):
             fronts[row.key].append(row.quantity)
     runs = (replace(run, orders=orders[run.key], fronts=tuple(fronts[run.key])) for run in bench.points)
     return Bench(bench.document, tuple(runs))
@@ -177,8 +189,8 @@ def choices(points: DataFrame) -> list[Row | None]:
     A point of a sweep counts if the finer ones, down to the sweep's least error, hold the error too.
     """
     done = points[points.finished]
-    settings = list(done[done.kind == SETTING].itertuples(index=False))
-    methods = [list(sweep.itertuples(index=False)) for sweep in sweeps(done)]
+    settings = rows(done[done.kind == SETTING])
+    methods = [rows(sweep) for sweep in sweeps(done)]
     found = []
     for limit in WANTED:
         reaching = [row for row in settings if row.error_max <= limit]
@@ -209,9 +221,9 @@ class Standing(NamedTuple):
 def standings(points: DataFrame) -> list[Standing]:
     """How far off the methods' front each setting is; none of the control."""
     done = points[points.finished & ~points.is_control]
-    methods = [list(sweep.itertuples(index=False)) for sweep in sweeps(done)]
+    methods = [rows(sweep) for sweep in sweeps(done)]
     found = []
-    for row in done[done.kind == SETTING].itertuples(index=False):
+    for row in rows(done[done.kind == SETTING]):
         met = []
         for method in methods:
             errors = [rival.error_max for rival in method]
@@ -227,7 +239,7 @@ def large_overheads(bench: Bench) -> list[Row]:
     """Of every engine and setting the point with the largest overhead, where that is over ``LARGE_OVERHEAD``."""
     large = bench.table[bench.table.overhead.astype(float) > LARGE_OVERHEAD]
     worst = large.sort_values("overhead", ascending=False, kind="stable").drop_duplicates(["engine", "setting"])
-    return list(worst.itertuples(index=False))
+    return rows(worst)
 
 
 Regimes: TypeAlias = "Mapping[str, Sequence[DataFrame]]"
