@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -116,6 +117,12 @@ class Sweep:
         if structure.pivot is not None:
             for known, part in zip(self._known, crank_motion(structure.pivot, self.places), strict=True):
                 known[linkage.crank] = part
+
+    def with_loads_of(self, linkage: Linkage) -> Sweep:
+        """The sweep of a linkage that differs in masses and loads only: its poses are those that are known here."""
+        other = copy(self)
+        other.linkage, other._centres = linkage, {}
+        return other
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""

@@ -57,6 +57,7 @@ ALIKE: Final = 1.5  # times the rounding, or the least that any cause leaves: no
 ROUNDED: Final = 0.6  # rms of a rounding over its bound
 MOST_ALIKE: Final = 12  # causes of one rank that are not distinguished: so many name none
 MOST_OF_ALL: Final = 24  # the same, of any rank: the difference is too small to tell anything
+PARTLY: Final = 1e-3  # of a peak: a cause that leaves more may be beside a wrong sign or unit
 BETTER: Final = 0.3  # of what is left without a correction of sign or unit
 SIMILAR: Final = 0.9  # correlation of a signal that is right but for its sign or unit
 NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for a unit's, other faults besides
@@ -267,7 +268,7 @@ def explain(
 ) -> Explanation:
     """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
     raw = _explain_as_read(simulation, evidence, names, column)
-    partly = {name for finding in raw.findings if not finding.fully for name in finding.signals}
+    partly = {name for finding in raw.findings if finding.left > PARTLY for name in finding.signals}
     open_names = {*raw.unexplained, *partly}
     estimates = {v.name: c for v in evidence if v.name in open_names and (c := estimate_correction(v)) is not None}
     if estimates:

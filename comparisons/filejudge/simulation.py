@@ -37,6 +37,9 @@ INCOMPLETE: Final[Mapping[str, Callable[[Truth], Array]]] = {
     "Mkr without ½ J′ω²": lambda at: at.torque - half_inertia_derivative(at.sweep) * at.speed**2,
     "Mkr without centrifugal forces": lambda at: at.torque + _centrifugal(at.sweep) * at.speed**2,
 }
+OF_MOTION: Final = frozenset(("m", "rad", "m/s", "rad/s", "m/s²", "rad/s²"))  # units of what no load concerns
+LONGEST_KEPT: Final = 100_000  # instants of a sweep that is kept,
+MOST_KEPT: Final = 4  # of so many
 SAME_INSTANT: Final = 1e-6  # of a step: the same instant
 
 
@@ -74,6 +77,7 @@ class Simulation:
     modes: tuple[int, ...] | None = None
     columns: Mapping[str, ColumnKnobs] = field(default_factory=dict)
     _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _sweeps: dict[bytes, Sweep] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -105,10 +109,12 @@ class Simulation:
             columns={**self.columns, **{name: replace(self._knobs(name), **of) for name, of in knobs.items()}},
         )
         if modes == self.modes and _motion_parts(other.linkage) == _motion_parts(self.linkage):
-            is_same = other.linkage is self.linkage
-            other.__dict__["mechanism"] = self.mechanism if is_same else self.mechanism.with_loads_of(other.linkage)
-            if is_same and other.motion is self.motion:
-                other.__dict__["_seen"] = self._seen
+            if other.linkage is self.linkage:
+                other.__dict__.update(mechanism=self.mechanism, _seen=self._seen if other.motion is self.motion else {})
+            else:
+                other.__dict__["mechanism"] = self.mechanism.with_loads_of(other.linkage)
+                if other.motion is self.motion:
+                    other.__dict__.update(_seen=self._seen_of_motion(), _sweeps=self._sweeps)
         return other
 
     def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
@@ -120,6 +126,19 @@ class Simulation:
         """Whether a column may differ from the one of the simulation ``before`` other values were given."""
         return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
 
+    def _seen_of_motion(self) -> dict[tuple[str, bytes], Array]:
+        """What is known of signals that masses and loads do not concern."""
+        return {key: values for key, values in self._seen.items() if _unit(key[0], self.linkage) in OF_MOTION}
+
+    def _truth(self, time: Array, clock: bytes) -> Truth:
+        """The closed form at times (n,), s; its sweep is kept for simulations that move alike."""
+        truth = Truth(self.mechanism, self.motion, time)
+        if clock in self._sweeps:
+            truth.__dict__["sweep"] = self._sweeps[clock].with_loads_of(self.linkage)
+        elif len(time) <= LONGEST_KEPT and len(self._sweeps) < MOST_KEPT:
+            self._sweeps[clock] = truth.sweep
+        return truth
+
     def _knobs(self, name: str) -> ColumnKnobs:
         return self.columns.get(name) or ColumnKnobs(name)
 
@@ -128,7 +147,9 @@ class Simulation:
         at = time + knobs.shift if knobs.shift else time
         clock = at.tobytes()
         if (knobs.of, clock) not in self._seen:
-            truth = truths.setdefault(clock, Truth(self.mechanism, self.motion, at))
+            if clock not in truths:
+                truths[clock] = self._truth(at, clock)
+            truth = truths[clock]
             formula = INCOMPLETE.get(knobs.of)
             self._seen[knobs.of, clock] = formula(truth) if formula else signal(truth, knobs.of)
         values = self._seen[knobs.of, clock]
@@ -144,6 +165,10 @@ class Simulation:
         if knobs.stray is not None:
             values = np.where(np.isin(time, knobs.stray[0]), np.interp(time, *knobs.stray), values)
         return np.asarray(values)
+
+
+def _unit(name: str, linkage: Linkage) -> str:
+    return "N m" if name in INCOMPLETE else unit(name, linkage)
 
 
 def _centrifugal(sweep: Sweep) -> Array:
