@@ -4,7 +4,7 @@ A signal's list of operations is gone through backward (``analytic.machine_code`
 but since the signal is level there only its value counts: its derivative is that of the signal at the place of the
 extreme, which is a root of the signal's slope over φ. Where two equal tops have different derivatives it is nan.
 
-Linkages with groups of a higher class, with a driving cylinder or with change points have central differences instead,
+Linkages with groups that are solved numerically, with change points or with friction have central differences instead,
 extrapolated to a step of zero; see ``is_exact``.
 """
 
