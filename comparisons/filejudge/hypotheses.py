@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analytic.description.changes import EMPTY_PARTS, named_numbers
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, LOADS, Linkage, RotaryDamper, rotate
 from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
@@ -458,10 +458,12 @@ def _of_damper(linkage: Linkage, at: str, pair: tuple[str, str], size: float) ->
 
 
 def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
-    """All loads of a kind left out; a load at another point, on another link, late, or by its mean."""
+    """All loads of a kind left out; a load at another point or on another link."""
 
     def misplaced(name: str, part: str, number: int, words: str, **changes: object) -> Hypothesis:
-        return _certain(name, FaultKind.SETTING, _other_load(linkage, part, number, **changes), words)
+        loads = list(getattr(linkage, part))
+        loads[number] = replace(loads[number], **changes)
+        return _certain(name, FaultKind.SETTING, {(LINKAGE, part): tuple(loads)}, words)
 
     for part in LOADS:
         if getattr(linkage, part):
@@ -473,11 +475,6 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
             if point != at:
                 yield misplaced(f"{name} at {point}", "forces", number, f"the force at '{at}' acts at '{point}'",
                                 point=point)  # fmt: skip
-        if force.force.angles is not None:
-            yield misplaced(f"{name} by its mean", "forces", number,
-                            f"the force at '{at}' is its mean over the crank angle",
-                            force=Law(force.force.values.mean(axis=0)))  # fmt: skip
-            yield _late_force(linkage, name, number, force.force)
     for number, torque in enumerate(linkage.torques):
         for link in linkage.links:
             if link != torque.link:
@@ -489,22 +486,6 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
             words = f"the damper of '{key}' and '{other}' acts on the ground"
             name = f"dampers.{key}.{other} against the ground"
             yield misplaced(name, "dampers", number, words, links=(key, GROUND))
-
-
-def _other_load(linkage: Linkage, part: str, number: int, **changes: Any) -> Values:  # noqa: ANN401 - fields of a load
-    loads = list(getattr(linkage, part))
-    loads[number] = replace(loads[number], **changes)
-    return {(LINKAGE, part): tuple(loads)}
-
-
-def _late_force(linkage: Linkage, name: str, number: int, law: Law) -> Hypothesis:
-    """A force over the crank angle that is late by an angle, rad."""
-    assert law.angles is not None
-    angles = law.angles
-    return Hypothesis(f"{name} late", FaultKind.NUMBER,
-                      lambda a: _other_load(linkage, "forces", number, force=replace(law, angles=angles + float(a))),
-                      lambda a: f"the load '{name}' is late by {math.degrees(a):.3g}°",
-                      (0.0,), (1.0,), unit=1.0 / RADIAN)  # fmt: skip
 
 
 def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothesis]:
