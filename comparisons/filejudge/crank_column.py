@@ -82,11 +82,6 @@ class ColumnMotion(CrankMotion):
         """Times at which the acceleration jumps, s; a spline has none."""
         return CrankMotion(self.regime, self.segments).jumps if self.is_known else ()
 
-    @cached_property
-    def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
-        return max(float(np.max(np.abs(p.value(np.linspace(p.start, p.end, 33), 1)))) for p in self.segments)
-
 
 @dataclass(frozen=True)
 class _Samples:
