@@ -19,14 +19,15 @@ if TYPE_CHECKING:
     from linkproof import engine
     from reports.api.designer import check, evaluate, judge, mechanisms, new, optimise, results, sweep, tolerance
     from reports.api.options import Motion, SteadyMotion
+    from reports.api.trials import check_engine, engines
     from reports.python.campaign import Comparison, compare
-    from reports.python.checking import check_engine
 
     __version__ = version("linkproof")
 
 __all__ = [
     "Comparison", "Linkage", "LinkproofError", "Motion", "SteadyMotion", "__version__", "check", "check_engine",
-    "compare", "engine", "evaluate", "judge", "load", "mechanisms", "new", "optimise", "results", "sweep", "tolerance",
+    "compare", "engine", "engines", "evaluate", "judge", "load", "mechanisms", "new", "optimise", "results",
+    "sweep", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
@@ -34,7 +35,7 @@ _MODULES = {
     "analytic.description.loading": ("load",),
     "analytic.errors": ("LinkproofError",),
     "reports.python.campaign": ("Comparison", "compare"),
-    "reports.python.checking": ("check_engine",),
+    "reports.api.trials": ("check_engine", "engines"),
     "reports.api.options": ("Motion", "SteadyMotion"),
     "reports.api.designer": (
         "check",

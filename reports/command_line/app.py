@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
-from reports.api import designer
+from reports.api import designer, trials
 from reports.api.designer import USUAL
 from reports.api.options import (
     Argument,
     BenchOptions,
     CompareOptions,
     Jobs,
-    Json,
     Motion,
     Option,
     OutputOptions,
@@ -65,16 +64,6 @@ def _own_study(command: str, output: OutputOptions, *bags: Any) -> tuple[bool, A
     from reports.command_line.unfinished import own_study
 
     return own_study(app, command, output.out, bags)
-
-
-def _start_workers(module: str) -> None:
-    """Start the process that forks workers, which imports a module while this process imports the rest."""
-    from comparisons.trials.runs.workers import most_processes
-
-    if most_processes():
-        from comparisons.trials.runs.worker_process import start_server
-
-        start_server([module])
 
 
 def _print_version(context: click.Context, is_asked: bool) -> None:
@@ -130,36 +119,10 @@ def watch(
     watch.watch(mechanism, motion, opens=opens)
 
 
-@command(app, summary="List the engines, test an adapter, or try what is installed.")
-def engines(
-    names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (),
-    checks: Annotated[
-        bool,
-        Option(
-            "Test the adapter of one engine: signs, frames, units, instants, failures as values, deliberate errors.",
-            flags=("--check",),
-        ),
-    ] = False,
-    tries: Annotated[
-        bool,
-        Option("Show what is installed, and try every engine and the compiler, for a bug report.", flags=("--try",)),
-    ] = False,
-    json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """List the engines: supported linkages, available quantities, and the origin of each figure in the engine.
-
-    ENGINE is an engine of linkproof, or an adapter announced under the entry-point group linkproof.engines.
-
-    Exit codes: 0; 1 a check failed, or something that is installed does not work; 2 nothing to check.
-    """
-    if checks or tries:
-        _start_workers(
-            "comparisons.trials.conformance.conformance" if checks else "comparisons.trials.campaign.campaign"
-        )
-    from reports.command_line.commands import engines
-
-    return engines.engines(names or (), destination(OutputOptions(json=json, quiet=quiet)), checks=checks, tries=tries)
+study_command(
+    app, "engines", trials.engines, offers=PRINTED,
+    summary="List the engines, test an adapter, or try what is installed.",
+)  # fmt: skip
 
 
 @command(
@@ -191,13 +154,13 @@ def compare(
     is not as it was recorded (--against), 2 bad input.
     """
     if script is not None:
-        from reports.command_line.commands.engines import write_script
+        from reports.command_line.commands.script import write_script
 
         write_script(script, options, (output, standard, limits))
         return 0
     is_finished, (options, standard, limits) = _own_study("compare", output, options, standard, limits)
     if limits.jobs != 0 and not is_finished:
-        _start_workers("comparisons.trials.campaign.campaign")
+        trials.start_workers("comparisons.trials.campaign.campaign")
     from reports.command_line.commands import compare
 
     if is_finished:
@@ -233,7 +196,7 @@ def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = N
     """
     is_finished, (options,) = _own_study("bench", output, options)
     if not is_finished:
-        _start_workers("comparisons.trials.work_precision.measure")
+        trials.start_workers("comparisons.trials.work_precision.measure")
     from reports.command_line.commands import bench
 
     if is_finished:
@@ -253,7 +216,7 @@ def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, sch
     """
     is_finished, (options,) = _own_study("stress", output, options)
     if not is_finished:
-        _start_workers("comparisons.trials.stress.cells")
+        trials.start_workers("comparisons.trials.stress.cells")
     from reports.command_line.commands import stress
 
     if is_finished:

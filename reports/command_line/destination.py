@@ -45,7 +45,7 @@ class Destination(OutputOptions):
         if self.save:
             module, _, name = study.partition(":")
             kind: type[Study] = getattr(import_module(module), name)
-            check_saves(self.save, kind.suffixes, read)
+            check_saves(self.save, kind.suffixes, read, self.out)
 
     def make(self, function: Callable[..., Study], form: ResultsFiles | None) -> int:
         """Call the function, print and write its study; the exit code."""
@@ -92,7 +92,7 @@ class Destination(OutputOptions):
 
     def check_saves(self, writers: Writers, read: Mapping[str, Path] = NOTHING) -> None:
         """Raise LinkproofError before the work for a file of ``save`` that cannot be written."""
-        check_saves(self.save, tuple(writers), read)
+        check_saves(self.save, tuple(writers), read, self.out)
 
     def write_saves(self, writers: Writers, *facts: object) -> None:
         """Write the files of ``save`` whose suffixes have ``writers``, which are called with the ``facts``.
@@ -102,10 +102,7 @@ class Destination(OutputOptions):
         named = [(file, writers[file.suffix.lower()]) for file in self.save if file.suffix.lower() in writers]
         for file, content in [(file, make(*facts)) for file, make in named]:
             write_file(file, content)
-
-    def saves(self, *suffixes: str) -> bool:
-        """Whether a file of one of these suffixes is to be saved."""
-        return any(file.suffix.lower() in suffixes for file in self.save)
+            self.remark(f"wrote {file}")
 
     def progress(self) -> AbstractContextManager[Callable[[str, int, int], None]]:
         """A progress bar, if it is to be seen."""
@@ -153,6 +150,7 @@ class Destination(OutputOptions):
             from reports.campaign.summary import junit  # noqa: PLC0415
 
             write_file(self.junit, junit(runs, changes))
+            self.remark(f"wrote {self.junit}")
 
     def warn(self, linkages: Iterable[Linkage], *sentences: str) -> None:
         """Print likely mistakes in the files of linkages, and further warnings, on stderr, be the run quiet or not."""

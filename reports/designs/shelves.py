@@ -22,14 +22,16 @@ SHELVES: Final = {
 
 @dataclass(frozen=True, repr=False)
 class Listing(Study):
-    """What is listed: ``parts`` in print, ``table`` as JSON."""
+    """What is listed: ``parts`` in print and ``closing`` lines, ``table`` as JSON."""
 
     parts: Sequence[Printed]
     table: Mapping[str, Any]
+    closing: Sequence[Printed] = ()
+    exit_code: int = 0
 
     def printout(self) -> Printout:
         """The tables."""
-        return Printout(self.parts, ())
+        return Printout(self.parts, self.closing)
 
     def sentence(self) -> Printed:
         """How many there are."""

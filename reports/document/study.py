@@ -134,13 +134,20 @@ class Study:
         return f"<pre>{escape(str(self))}</pre>"
 
 
-def check_saves(files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING) -> None:
-    """Raise LinkproofError for a file that cannot be written; ``read`` has the files to read, by what they are."""
+def check_saves(
+    files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING, made: Path | None = None
+) -> None:
+    """Raise LinkproofError for a file that cannot be written, since its folder is missing, for example.
+
+    ``read`` has the files to read, by what they are; ``made`` is a folder that will be there.
+    """
     places: dict[str, Path] = {}
     for file in files:
         suffix = file.suffix.lower()
         if suffix not in suffixes:
             raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(suffixes)}; rename the file")
+        if not os.path.lexists(file.parent) and file.parent != made:
+            raise LinkproofError(f"--save {file}: the folder '{file.parent}' does not exist; make it, or name another")
         check_writable(file)
         place = os.path.realpath(file)
         if place in places:

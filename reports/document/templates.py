@@ -6,13 +6,15 @@ import math
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 from markupsafe import Markup
 
 from analytic.errors import listed
 from reports.document import numbers
+
+if TYPE_CHECKING:
+    import jinja2
 
 FOLDER = Path(__file__).parents[1] / "templates"
 # A signal of a part of the linkage.
@@ -39,6 +41,8 @@ def sentence(macro: str, **values: object) -> str:
 
 @cache
 def _environment() -> jinja2.Environment:
+    import jinja2  # noqa: PLC0415 - a table needs none of it
+
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(FOLDER),
         autoescape=jinja2.select_autoescape(),  # pages, not sentences

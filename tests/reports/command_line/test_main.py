@@ -73,6 +73,7 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
         (["compare", NAME, "--engine", "exodyn"], "did you mean 'exudyn'?"),
         (["compare", "no/such.toml"], "got 'no/such.toml', which does not exist"),
         (["compare", NAME, "--engine", "direct", "--save", "/dev/null/r.json"], "cannot write"),
+        (["results", NAME, "--save", "none/r.csv"], "the folder 'none' does not exist; make it, or name another"),
         (["compare", NAME, "-q", "-v"], "--quiet and --verbose exclude each other"),
         (["compare", "slotted-takeup", "--regime", "free", "--quantity", "Mkr"], "is given, not a result"),
     ],

@@ -14,10 +14,10 @@ from analytic.errors import LinkproofError
 from comparisons.trials.conformance import conformance
 from comparisons.trials.judging.records import Run, Verdict
 from engines.registry import own_names
-from reports.api import engine_trials
 from reports.api.options import CompareOptions
-from reports.command_line.commands import engines
-from reports.command_line.destination import Destination
+from reports.api.trials import check_engine
+from reports.command_line.commands.script import write_script
+from reports.studies import engine_trials
 from tests.commands import linkproof, refused
 from tests.comparisons.trials.conformance.wrong_engines import Direct, PrintingEngine
 from tests.test_economy import EXTRAS
@@ -44,18 +44,15 @@ class UnsendableEngine(Direct):
 
 
 @pytest.fixture
-def checked(monkeypatch, capsys):
+def checked(monkeypatch):
     """Exit code, output and records of ``engines --check`` with a few of its checks, two mutants among them."""
     mutants = [name for name in conformance.CHECKS if name.startswith(conformance.MUTANT)]
     names = ("identity", "installed", "silence", *mutants[:2])
     monkeypatch.setattr(conformance, "CHECKS", {name: conformance.CHECKS[name] for name in names})
 
     def check(engine):
-        monkeypatch.setattr(engines, "engine", lambda name: engine)
-        code = engines.check("mine", Destination(), 1)
-        printed = capsys.readouterr().out
-        engines.check("mine", Destination(json=True), 1)
-        return code, printed, json.loads(capsys.readouterr().out)["checks"]
+        found = check_engine(engine, 1)
+        return found.exit_code, str(found), json.loads(found.json())["checks"]
 
     return check
 
@@ -89,8 +86,7 @@ def test_an_engine_that_cannot_be_checked_is_refused(checked, engine, words):
 def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
     for package in EXTRAS:
         monkeypatch.setitem(sys.modules, package, None)
-    for module in ("reports.api.engine_trials", "reports.api.campaign"):
-        monkeypatch.setattr(f"{module}.engine_names", lambda: names)
+    monkeypatch.setattr("reports.studies.engine_trials.engine_names", lambda: names)
     done = linkproof("engines", "--try", "--json", cwd=tmp_path)
     facts = json.loads(done.stdout)
     assert done.returncode == 0, done.stdout
@@ -117,7 +113,7 @@ def test_a_broken_compiler_is_exit_code_1(monkeypatch, tmp_path):
         raise OSError("no LLVM\nhere")
 
     monkeypatch.setattr(machine_code, "compile_source", broken)
-    monkeypatch.setattr("reports.command_line.commands.engines.engine_trials", list)
+    monkeypatch.setattr("reports.studies.engines.engine_trials", list)
     done = linkproof("engines", "--try", cwd=tmp_path)
     assert done.returncode == 1
     assert "OSError: no LLVM here" in done.stdout
@@ -162,5 +158,5 @@ def test_what_is_not_one_run_has_no_script_and_one_sentence(changes, sentence, t
     pytest.importorskip("exudyn")
     given = {"mechanisms": ("rimoldi-164",), "engine": ("exudyn",), "ramp_time": 0.05, "hold_time": 0.01}
     with pytest.raises(LinkproofError, match=sentence):
-        engines.write_script(tmp_path / "case.py", CompareOptions(**given | changes))
+        write_script(tmp_path / "case.py", CompareOptions(**given | changes))
     assert not list(tmp_path.iterdir())

@@ -12,10 +12,11 @@ from typing import Final
 import numpy as np
 
 from analytic import machine_code
-from analytic.description.loading import catalogue
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.loading import catalogue, load
 from analytic.errors import LinkproofError, install_words
 from analytic.machine_code import OperationList, Result
-from comparisons.trials.campaign.campaign import compare
+from comparisons.trials.campaign.campaign import CampaignRequest, compare
 from comparisons.trials.conformance.conformance import INSTALLED, check_engine
 from comparisons.trials.conformance.trial import CheckResult, Finding
 from comparisons.trials.judging.records import Run
@@ -23,10 +24,9 @@ from comparisons.trials.runs.plugins import engines
 from comparisons.trials.runs.run_engine import blamed_on
 from engines.contract import Engine
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.api.campaign import request
-from reports.api.options import CompareOptions
 
 OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
+SPEED: Final = 1000.0 * RPM
 NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras
 
 
@@ -42,9 +42,16 @@ class SelfTest:
 
 def engine_trials() -> list[SelfTest]:
     """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
-    trial = request(CompareOptions(mechanisms=tuple(catalogue()[:1]), quantity=("Mkr",)))
-    tried = {run.engine: _trial_of_run(run) for run in compare(trial)}
     reasons = {adapter.name: why_unavailable(adapter) for adapter in engines(engine_names())}
+    trial = CampaignRequest(
+        (load(catalogue()[0]),),
+        (crank_motion("run-up", speed=SPEED, ramp_time=0.6, hold_time=0.1),),
+        "",
+        tuple(name for name, reason in reasons.items() if reason is None),
+        quantities=("Mkr",),
+        with_invariants=False,
+    )
+    tried = {run.engine: _trial_of_run(run) for run in compare(trial)}
     absent = {name: SelfTest(name, "", None, reason) for name, reason in reasons.items() if reason is not None}
     return [(absent | tried)[name] for name in engine_names()]
 
