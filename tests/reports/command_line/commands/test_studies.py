@@ -157,7 +157,7 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "kind", "words"),
     [
-        (BenchOptions(quantity=("torque",)), UnknownNameError, "Mkr"),
+        (BenchOptions(quantity=("torqe",)), UnknownNameError, "Mkr"),
         (
             BenchOptions(mechanisms=("slotted-takeup",), regime=("own",), quantity=("Mkr",)),
             LinkproofError,
