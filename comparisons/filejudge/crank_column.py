@@ -325,6 +325,7 @@ def _corners(samples: _Samples, smooth: BSpline) -> Array | None:
     jerk = np.abs(smooth.derivative(degree + 1)(time))
     highest = maximum_filter1d(jerk, 2 * (len(time) // TRIED_TIMES) + 1)
     found = np.flatnonzero((jerk == highest) & (jerk > CORNER * np.max(jerk)))
+    found = found[(found > 0) & (found < len(time) - 1)]
     if not 0 < len(found) <= MOST_CORNERS:
         return None
 
@@ -335,9 +336,12 @@ def _corners(samples: _Samples, smooth: BSpline) -> Array | None:
         curve = make_lsq_spline(time, samples.values, knots(corners), degree, w=1.0 / samples.rounding)
         return np.asarray((curve(time) - samples.values) / samples.rounding)
 
-    near = samples.duration / (2.0 * TRIED_TIMES)
-    bounds = (np.maximum(time[found] - near, time[1]), np.minimum(time[found] + near, time[-2]))
-    best = least_squares(residual, time[found], bounds=bounds, x_scale=near)
+    near = (time[-1] - time[0]) / (2.0 * TRIED_TIMES)
+    bounds = (np.maximum(time[found] - near, time[0]), np.minimum(time[found] + near, time[-1]))
+    try:
+        best = least_squares(residual, time[found], bounds=bounds, x_scale=near)
+    except (ValueError, np.linalg.LinAlgError):  # corners that meet, or with no sample between them
+        return None
     return knots(best.x) if np.max(np.abs(best.fun)) <= SLACK else None
 
 

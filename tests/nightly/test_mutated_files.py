@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import linkproof
-from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import CATALOGUE, LITERATURE, load
 from analytic.errors import LinkproofError
 from comparisons.filejudge.judge import _crank_motion
@@ -53,6 +52,11 @@ LAYOUTS = {
     "a.res": layouts.adams_results,
     "b.res": layouts.robotran,
 }  # fmt: skip
+SAID = {  # of layouts without units or names
+    "a.res": ("time.CRANK ANGLE=phi [deg]",),
+    "a.tab": ("time=time [s]", "Crank angle=phi [deg]", "MOTION_1.TZ=Mkr [N*m]"),
+    "b.res": ("column 1=time [s]", "column 2=phi [deg]", "column 3=Mkr [N*m]"),
+}
 
 
 def changed(text, chance):
@@ -107,8 +111,7 @@ def read(folder, chance):
     content = write([layouts.Channel(*column) for column in columns])
     path = folder / name
     path.write_bytes(damaged(content if isinstance(content, bytes) else content.encode(), chance))
-    motion = crank_motion("constant-speed") if chance.random() < 0.2 else None
-    _crank_motion(read_results([path], JUKI), motion, 0.0)
+    _crank_motion(read_results([path], JUKI, SAID.get(name, ())), None, 0.0)
 
 
 def damaged(content, chance):

@@ -89,6 +89,14 @@ def test_of_a_noisy_column_the_motion_comes_back():
     np.testing.assert_allclose(found.angle(time), angle, atol=2e-3)
 
 
+def test_an_acceleration_that_changes_fastest_at_the_end_is_no_corner():
+    time = np.linspace(0.0, 1.0, 41)
+    angle = 0.01 * np.exp(6.0 * time)
+    found = motion_of_angles(time, np.round(angle, 6), np.full(41, 5e-7))
+    assert (found.jumps, found.is_known) == ((), False)
+    np.testing.assert_allclose(found.angle(time), angle, atol=2e-6)
+
+
 def test_a_constant_speed_of_few_digits_is_known_no_better_than_they_say():
     digits = 1
     true, time = 1000.0 * math.pi / 30.0, np.linspace(0.0, 0.12, 121)
