@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import SPEED, design_numbers, with_numbers
+from analytic.description.law import FULL_TURN
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of
 from analytic.designs.sampled_figures import FigureRequest, mean_cells, sampled_source, unwrapped_near
@@ -38,6 +39,8 @@ Integers = NDArray[np.int64]
 Curve = tuple[Any, Array]  # values of a signal (...), or one, and their derivatives (k, ...)
 STILL: Final[Curve] = (0.0, np.zeros(1))
 
+AT_CORNER: Final = 1e-6  # of the drawing: a top this near to a corner of a load is there
+MOST_ZEROS: Final = 64  # designs of which the zero of S is kept: a search asks for each many times
 TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
 STEP: Final = 4e-4  # of a number, the first of its differences
 SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less count as equal
@@ -67,15 +70,21 @@ def signal_values(
 
 
 def signal_gradients(
-    mechanism: Mechanism, parameters: Mapping[str, float], signals: Sequence[str], angle: ArrayLike, *, speed: float
+    mechanism: Mechanism,
+    parameters: Mapping[str, float],
+    signals: Sequence[str],
+    angle: ArrayLike,
+    *,
+    speed: float,
+    at_tops: bool = False,
 ) -> tuple[Array, Array]:
     """Signals (signals, angles) and their derivatives (signals, parameters, angles), SI, at crank angles (angles,).
 
     ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, or the driver's
     ``speed``, turned as ``speed``, with the SI values at which to differentiate; a signal may be a magnitude, as in a
-    ``Figure``. S counts from the highest of the angles. The crank turns at a constant ``speed``, rad/s, signed. Raises
-    UnknownNameError, LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be
-    assembled.
+    ``Figure``. S counts from the highest of the angles. The crank turns at a constant ``speed``, rad/s, signed. The
+    angles may be those ``at_tops`` of the signals, which move with corners of loads. Raises UnknownNameError,
+    LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
@@ -88,7 +97,8 @@ def signal_gradients(
     design = _Design(mechanism, parameters, speed)
     design.values(signals, places)  # refuses one without a motion
     zero_of_s = design.farthest(places, refine=False) if "S" in signals else STILL
-    values, slopes = zip(*design.curves(signals, places, zero_of_s=zero_of_s), strict=True)
+    curves = (design.at_tops if at_tops else design.curves)(signals, places, zero_of_s)
+    values, slopes = zip(*curves, strict=True)
     return np.stack(values), np.stack(slopes)
 
 
@@ -155,6 +165,12 @@ def _lists(_: Mechanism) -> dict[object, LinkageTrace]:
     return {}
 
 
+@once_per_mechanism
+def _zeros_of_s(_: Mechanism) -> dict[object, Curve]:
+    """Where S counts from in designs of a mechanism that were asked for of late, by their numbers."""
+    return {}
+
+
 @dataclass(frozen=True)
 class _Design:
     """One design: its signals and their derivatives by the parameters."""
@@ -187,6 +203,23 @@ class _Design:
         if ZERO_OF_S in inputs:
             ways = [way | {inputs[ZERO_OF_S]: slope} for way, slope in zip(ways, self._zero_of_s[1], strict=True)]
         return self._moved(listed, signals, places, ways, zero_of_s)
+
+    def at_tops(self, signals: Sequence[str], places: Array, zero_of_s: Curve) -> list[Curve]:
+        """As ``curves``, at tops (n,) of the signals: one at a corner of a load over S moves with the corner."""
+        curves = self.curves(signals, places, zero_of_s)
+        corners = [corner for law in self.mechanism.linkage.laws if law.over == "S" for corner in law.corners]
+        if not corners or ZERO_OF_S not in self._list(signals).trace.inputs:
+            return curves
+        (height, rises), (_, slope) = (
+            self.curves([OUTPUT_COORDINATE], places)[0], self.over_phi([OUTPUT_COORDINATE], places, 0.0)[0]
+        )  # fmt: skip
+        zero, shifts = self._zero_of_s
+        distances = np.abs(np.subtract.outer(corners, zero - height))
+        is_corner = np.min(distances, axis=0) <= AT_CORNER * self.mechanism.linkage.extent()
+        moves = np.where(is_corner, (shifts[:, None] - rises) / np.where(is_corner, slope[0], 1.0), 0.0)
+        over_phi = self.over_phi(signals, places, float(zero_of_s[0]))
+        pairs = zip(curves, over_phi, strict=True)
+        return [(value, slopes + change[0] * moves) for (value, slopes), (_, change) in pairs]
 
     def over_phi(self, signals: Sequence[str], places: Array, zero_of_s: float) -> list[Curve]:
         """Signals at crank angles, rad, with their derivatives over φ, (1, ...)."""
@@ -244,10 +277,15 @@ class _Design:
         moves = self.mechanism.linkage.has_loads_of_output
         return self.followed if moves else self.mechanism
 
-    @cached_property
+    @property
     def _zero_of_s(self) -> Curve:
         """The output's coordinate at the top dead centre, m, from which loads over S count, with its derivatives."""
-        return self.farthest(grid(), refine=True)
+        known, key = _zeros_of_s(self.mechanism), tuple(self.parameters.items())
+        if key not in known:
+            if len(known) >= MOST_ZEROS:
+                known.clear()
+            known[key] = self.farthest(np.append(grid(), FULL_TURN), refine=True)
+        return known[key]
 
     def farthest(self, places: Array, refine: bool) -> Curve:
         """The output's highest coordinate, with its derivatives."""
@@ -270,7 +308,7 @@ class _Design:
         curve, places = self._find_tops(extremes, grid, sampled, zero_of_s[0], refine)
         tops = []
         for row, (extreme, (values, slopes)) in enumerate(
-            zip(extremes, self.curves(signals, places, zero_of_s), strict=True)
+            zip(extremes, self.at_tops(signals, places, zero_of_s), strict=True)
         ):
             is_its = curve == row
             tops.append(

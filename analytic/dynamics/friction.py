@@ -146,7 +146,7 @@ def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
 
 
 def _is_settled(step: Array, frictions: Array) -> NDArray[np.bool_]:
-    return np.all(np.abs(step) <= SETTLED * np.max(np.abs(frictions), axis=0), axis=0)
+    return np.asarray(np.all(np.abs(step) <= SETTLED * np.max(np.abs(frictions), axis=0), axis=0))
 
 
 def _by_newton(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -114,7 +114,7 @@ class LocalMaxima:
 
         _, places = climb(tops, heights)
         every = np.arange(len(windows))
-        values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed)
+        values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed, at_tops=True)
         if not np.all(np.isfinite(slopes)):
             raise self._dead_position_error
         return ways * values[rows, every], ways[:, None] * slopes[rows, :, every]

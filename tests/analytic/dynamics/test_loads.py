@@ -10,12 +10,14 @@ from analytic.description.changes import with_numbers
 from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
 from analytic.description.loading import parse
-from analytic.designs.derivatives import differences, signal_gradients
+from analytic.designs.derivatives import differences, figure_gradients, signal_gradients
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.dynamics.reduced import equation_of_motion
 from analytic.errors import DescriptionError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.refine import grid
+from analytic.numerics.roots import root
 from analytic.signals import evaluate
 from comparisons.motion.case import Case
 from engines.contract import Setting
@@ -133,6 +135,24 @@ def test_gradients_are_exact():
     assert values == pytest.approx(known, rel=1e-12)
     for k in range(len(point)):
         assert slopes[0, k] == pytest.approx(near[0, k], rel=0.0, abs=1e-6 * np.max(np.abs(near[0, k])))
+
+
+def test_a_peak_at_a_corner_of_a_load_over_the_stroke_moves_with_the_corner():
+    """The peak in the first half of a turn is where S is 50 mm, whatever the lengths."""
+    table = "travel = [0, 40, 50, 120]\nforce = [[0, 0], [0, 0], [9000, 0], [0, 0]]\ninterpolation = 'linear'\n"
+    sample = mechanism(f"[[forces]]\npoint = 'D'\nlink = 'ram'\nover = 'S'\nwhen = 'advance'\n{table}")
+    point = {"rod.D.x": 0.21, "crank.A.x": 0.055, "ram.through.y": 0.02}
+
+    def torque_at_corner(numbers):
+        design = sample.redesigned(with_numbers(sample.linkage, numbers))
+        corner = root(lambda phi: design.zero_of_s() - float(design.sweep(np.asarray(phi)).output()) - 0.05, 0.5, 2.5)
+        return evaluate(design, np.array([corner]), ["Mkr"], speed=SPEED)["Mkr"]
+
+    figures = [Figure("Mkr", Reduction.PEAK)]
+    values, slopes = figure_gradients(sample, point, figures, grid(360), speed=SPEED)
+    known, near, _ = differences(torque_at_corner, point, {name: 1e-3 * value for name, value in point.items()})
+    assert values == pytest.approx(np.abs(known), rel=1e-9)
+    assert slopes[0] == pytest.approx(np.sign(known) * near[0], rel=1e-7)
 
 
 @pytest.mark.parametrize(("name", "limit"), [("direct", 1e-13), ("mujoco", 1e-8)])
