@@ -149,7 +149,7 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
         "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
     )
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names >= {STORE, "bench.html", "assets", "figures"}
+    assert names >= {STORE, "bench.html", "assets"}
     assert unfinished_command(tmp_path / "out") == ""
     assert len(load(tmp_path / "out").points) == len(saved["records"])
 
@@ -220,7 +220,7 @@ def test_maps_are_written_and_read_back(tmp_path, capsys):
     choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
     assert stress(choice, Destination(out=tmp_path)) == 0
     files = {path.name for path in tmp_path.iterdir()}
-    assert files == {STORE, "stress.html", "index.html", "assets", "figures"}
+    assert files == {STORE, "stress.html", "index.html", "assets"}
     tables = capsys.readouterr().out
     assert "missed 0" in " ".join(tables.split())
     assert linkproof("stress", "--out", tmp_path).stdout == tables
