@@ -193,7 +193,7 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
     truth = evidence.truth[evidence.counted]
     share = float(evidence.values[evidence.counted] @ truth) / (float(truth @ truth) or math.inf)
     for (k, slip), sign in itertools.product(unit_slips(evidence.si, evidence.header), (1.0, -1.0)):
-        if abs(share / (sign * k) - 1.0) < MOST_RATIO_ERROR:
+        if abs(share / (sign * k) - 1.0) < MOST_RATIO_ERROR or evidence.si == "rad":  # known but for whole turns
             sense = "" if sign > 0.0 else " and has the other sign"
             words = f"{name} is {k:.6g} times the closed form's{sense}: {slip}"
             yield _certain(f"unit:{name}", FaultKind.COLUMN, {scale: sign * k}, words)

@@ -153,13 +153,12 @@ class Simulation:
             formula = INCOMPLETE.get(knobs.of)
             self._seen[knobs.of, clock] = formula(truth) if formula else signal(truth, knobs.of)
         values = self._seen[knobs.of, clock]
-        if curve.name not in self.columns:
-            return values
-        values = knobs.scale * values + knobs.offset
-        if knobs.shift:  # outside the run a tool may write anything
+        values = knobs.scale * values + knobs.offset if curve.name in self.columns else values
+        shift = knobs.shift + (self.motion.shift if isinstance(self.motion, ChangedMotion) else 0.0)
+        if shift:  # outside the run a tool may write anything
             slack = SAME_INSTANT * float(np.median(np.diff(time)))
-            within = (at >= time[0] - slack) & (at <= time[-1] + slack)
-            if unit(curve.name, self.linkage) in JUMPING:
+            within = (time + shift >= time[0] - slack) & (time + shift <= time[-1] + slack)
+            if knobs.shift and unit(curve.name, self.linkage) in JUMPING:
                 within &= ~near_jumps(at, self.motion)
             values = np.where(within, values, np.nan)
         if knobs.stray is not None:

@@ -177,14 +177,23 @@ def test_angles_turns_and_torques_that_count_clockwise_are_one_cause():
     assert not judgement.explanation.unexplained
 
 
-def test_a_late_column_may_have_anything_where_the_run_has_no_instants():
+@pytest.mark.parametrize(("columns", "cause"), [(("Mkr",), "delay:Mkr"), (("Mkr", "S"), "time shift")])
+def test_late_columns_may_have_anything_where_the_run_has_no_instants(columns, cause):
     motion, late = crank_motion("run-up"), -0.002
     within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there
-    (torque,) = Simulation(JUKI, motion).predict([samples("Mkr", within)])
-    results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, "Mkr": torque})
+    curves = Simulation(JUKI, motion).predict([samples(name, within) for name in columns])
+    shifted = dict(zip(columns, curves, strict=True))
+    results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, **shifted})
     (finding,) = judge(JUKI, results).explanation.findings
-    assert (finding.likeliest.fault.name, finding.fully) == ("delay:Mkr", True)
+    assert (finding.likeliest.fault.name, finding.fully) == (cause, True)
     assert finding.likeliest.numbers == pytest.approx([-late], abs=1e-6)
+
+
+def test_an_angle_of_a_link_in_degrees_is_read_as_radians():
+    steady, name = crank_motion("constant-speed", start_angle=7.0), "link:coupler:angle"
+    results = exported(JUKI, steady, (name, "S"), TIME, change=lambda v, _: {**v, name: np.degrees(v[name])})
+    (finding,) = judge(JUKI, results, steady).explanation.findings
+    assert finding.likeliest.words == f"{name} is 57.2958 times the closed form's: deg read as rad"
 
 
 def test_a_mass_centre_measured_the_other_way_is_among_the_causes_that_fit_alike():
