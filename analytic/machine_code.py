@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
-from math import copysign, isfinite, isinf, isnan
+from math import isfinite, isnan
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -460,55 +460,40 @@ def _python_number(value: float) -> str:
     return repr(value) if isfinite(value) else f"float('{value!r}')"
 
 
-# A list of operations as the source of one straight JavaScript function: numbers of a design, and of rows one by one.
-#
-#     (given, rows, results, count) => { ... }
-#
-# ``given[k]`` is the k-th number of the design; ``rows[j * count + i]`` the j-th number of row i, such as its crank
-# angle; ``results[m * count + i]`` becomes the m-th result there. All three are arrays of doubles. What follows from
-# the design alone is computed once, before the rows. The source is made of numbers and operations: no name of a
-# linkage is in it.
+# A list of operations as plain data, which a page computes: no code, so that it may come out of an address.
 
 
-# What JavaScript writes otherwise than Python. Math.max and Math.min are NaN where one number is, as in NumPy.
-JAVASCRIPT_FORMS: Final[Mapping[str, str]] = {
-    **{"absolute": "Math.abs({0})", "sign": "Math.sign({0})", "sqrt": "Math.sqrt({0})"},
-    "hypot": "Math.sqrt({0} * {0} + {1} * {1})",
-    **{"sin": "Math.sin({0})", "cos": "Math.cos({0})", "arctan2": "Math.atan2({0}, {1})"},
-    **{"maximum": "Math.max({0}, {1})", "minimum": "Math.min({0}, {1})"},
-    **{"and": "{0} && {1}", "or": "{0} || {1}", "not": "!{0}", "where": "{0} ? {1} : {2}"},
-}
-ALL_JAVASCRIPT_FORMS: Final = {**PYTHON_FORMS, **JAVASCRIPT_FORMS}
+Program = dict[str, Any]
 
 
-def javascript_source(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> str:
-    """The source of the function, whose numbers of the design, of a row and results are these lines of the list."""
-    names = {line: f"v{line}" for line in (*given, *rows)}
-    needed = trace.lines_needed(results, names)
-    in_rows = set(rows)
-    once = [f"const v{line} = given[{number}];" for number, line in enumerate(given) if line in needed]
-    each = [f"const v{line} = rows[{number} * count + i];" for number, line in enumerate(rows) if line in needed]
-    for line in needed:
-        operation = trace.operations[line]
-        if operation.name == CONSTANT:
-            names[line] = _javascript_number(operation.value)
-        elif line not in names:
-            names[line] = f"v{line}"
-            expression = ALL_JAVASCRIPT_FORMS[operation.name].format(*(names[other] for other in operation.operands))
-            is_of_row = not in_rows.isdisjoint(operation.operands)
-            in_rows |= {line} if is_of_row else set()
-            (each if is_of_row else once).append(f"const v{line} = {expression};")
-    each += [f"results[{number} * count + i] = {names[line]};" for number, line in enumerate(results)]
-    body = "\n".join([*once, "for (let i = 0; i < count; i += 1) {", *each, "}"])
-    return f"(given, rows, results, count) => {{\n{body}\n}}"
+def plain_program(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> Program:
+    """The list from numbers of a design and of a row to results, all of which are lines of it, JSON-ready.
+
+    Values have numbers: those ``given`` first, then those of the ``rows``, ``constants``, and one of each of the
+    ``operations``, which have the place of their name among ``names`` and the numbers of their operands.
+    """
+    known = (*given, *rows)
+    needed = [line for line in trace.lines_needed(results, known) if line not in known]
+    constants = [line for line in needed if trace.operations[line].name == CONSTANT]
+    others = [line for line in needed if trace.operations[line].name != CONSTANT]
+    number = {line: place for place, line in enumerate((*known, *constants, *others))}
+    names = sorted({trace.operations[line].name for line in others})
+    values = [trace.operations[line].value for line in constants]
+    return {
+        "given": len(given),
+        "rows": len(rows),
+        "constants": [value if isfinite(value) else _number_of_javascript(value) for value in values],
+        "names": names,
+        "operations": [
+            [names.index(trace.operations[line].name), *(number[other] for other in trace.operations[line].operands)]
+            for line in others
+        ],
+        "results": [number[line] for line in results],
+    }
 
 
-def _javascript_number(value: float) -> str:
-    """A constant, in brackets where a minus might meet another."""
-    if isnan(value):
-        return "NaN"
-    text = "Infinity" if isinf(value) else repr(abs(value))
-    return f"(-{text})" if copysign(1.0, value) < 0.0 else text
+def _number_of_javascript(value: float) -> str:
+    return "NaN" if isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
 
 
 PATHS: Final = ("auto", "numpy", "compiled")

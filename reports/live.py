@@ -27,9 +27,10 @@ from analytic.machine_code import (
     PHI,
     ZERO_OF_S,
     LinkageTrace,
+    Program,
     is_traceable,
-    javascript_source,
     linkage_trace,
+    plain_program,
 )
 from comparisons.designer.building import OVER_RANGE
 from comparisons.designer.open_ends import MARGIN, open_ends
@@ -142,7 +143,7 @@ def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> 
         data = {**_sampled(sheet, mechanism), **_drawing_data(mechanism), "pulls": {}}
         return Widget("live", "live", label, data, {"model": _samples(sheet, mechanism)}, instead=instead)
     data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
-    return Widget("live", "live", label, data, {"model": model.source}, instead=instead)
+    return Widget("live", "live", label, data, {"model": model.program}, instead=instead)
 
 
 FEWEST, MOST, PER_TURN = 721, 2401, 181  # samples of a motion that is not computed anew
@@ -278,7 +279,11 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
         "springs": [{"points": spring.points, "bodies": spring.links} for spring in linkage.springs],
         "cylinder": linkage.cylinder.points if linkage.cylinder else None,
         "joints": list(_joints(linkage)),
-        "loads": [{"point": load.point, "force": load.force(0.0).tolist()} for load in linkage.forces],
+        "loads": [
+            {"number": n, "point": load.point, "force": load.force(0.0).tolist() if load.force.is_constant else None}
+            for n, load in enumerate(linkage.forces)
+            if load.frame == GROUND
+        ],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,
         "pivot": getattr(crank, "point", ""),
@@ -308,10 +313,10 @@ ALWAYS: Final = (PHI, SPEED, ACCELERATION, ZERO_OF_S)  # of a row, in this order
 
 @dataclass(frozen=True)
 class Model:
-    """The ``source`` of a linkage's function, the ``numbers`` that it is given by name, and what else it takes."""
+    """The ``program`` of a linkage's function, the ``numbers`` that it is given by name, and what else it takes."""
 
     mechanism: Mechanism
-    source: str
+    program: Program
     numbers: tuple[str, ...]
     data: Mapping[str, Any]
 
@@ -334,7 +339,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     needed = set(listed.trace.lines_needed(listed.lines))
     numbers = tuple(name for name in sorted(listed.varied) if listed.trace.inputs[name] in needed)
     lines = [listed.trace.inputs.get(entries, -1) for entries in (*ALWAYS, *looked_up)]
-    source = javascript_source(listed.trace, [listed.trace.inputs[name] for name in numbers], lines, listed.lines)
+    program = plain_program(listed.trace, [listed.trace.inputs[name] for name in numbers], lines, listed.lines)
     laws = list(dict.fromkeys(law for law, _, _ in looked_up))
     cylinder = mechanism.linkage.cylinder
     has_ends = cylinder is not None and cylinder.has_ends
@@ -351,7 +356,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
             {"name": dyad.name, "point": getattr(dyad.joints[1], "point", "")} for dyad in mechanism.structure.dyads
         ],
     }
-    return Model(mechanism, source, numbers, data)
+    return Model(mechanism, program, numbers, data)
 
 
 def results(mechanism: Mechanism) -> tuple[str, ...]:

@@ -17,9 +17,9 @@ from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Wor
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
-# A page may load the files of its own folder, on a disk or a server, and no others.
+# A page may load the files of its own folder, on a disk or a server, and what its own scripts make, but no others.
 POLICY: Final = (
-    "default-src 'none'; script-src 'self' file:; style-src 'self' file: 'unsafe-inline'; "
+    "default-src 'none'; script-src 'self' file: blob:; style-src 'self' file: 'unsafe-inline'; "
     "img-src 'self' file: data: blob:; base-uri 'none'; form-action 'none'"
 )
 PIXELS: Final = 96  # of a style sheet, an inch

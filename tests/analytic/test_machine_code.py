@@ -1,7 +1,6 @@
 """The list of operations of a linkage, and its sources in Python and in JavaScript: the numbers of NumPy."""
 
 import gc
-import json
 import math
 from contextlib import suppress
 
@@ -25,11 +24,12 @@ from analytic.machine_code import (
     StraightFunction,
     is_traceable,
     is_worthwhile,
-    javascript_source,
     linkage_trace,
+    plain_program,
     python_source,
 )
 from analytic.signals import evaluate, names, unit
+from reports.document.templates import FOLDER
 from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
 from tests.javascript import called
 
@@ -123,36 +123,49 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
 SAME_SIGNALS = 1e-13  # of the peak
 CHANGES, SHARE, SPEED, ACCELERATION = 6, 0.02, 30.0, 400.0
 ANGLES = np.linspace(-2.0, 9.0, 40)
-CALL = """({designs, rows, count, results}) => designs.map((given) => {
-  const found = new Float64Array(results * count);
-  FUNCTION(given, Float64Array.from(rows), found, count);
-  return [...found].map(one => Number.isFinite(one) ? one : String(one));
-})"""
+SCRIPT = (FOLDER / "scripts" / "live_program.js").read_text(encoding="utf-8")
+CALL = """({program, designs, rows, count, results}) => {
+  const linkproof = {};
+  SCRIPT
+  const run = eval(linkproof.programSource(program));
+  return designs.map((given) => {
+    const found = new Float64Array(results * count);
+    run(Float64Array.from(given), Float64Array.from(rows), found, count);
+    return [...found].map(one => Number.isFinite(one) ? one : String(one));
+  });
+}""".replace("SCRIPT", SCRIPT)
 
 
-def by_javascript(source, designs, rows, results):
-    """Results (designs, results, count) of a printed function at rows (rows, count)."""
-    arguments = {"designs": designs, "rows": rows.ravel().tolist(), "count": rows.shape[1], "results": results}
-    result = called(CALL.replace("FUNCTION", f"({source})"), arguments)
+def by_javascript(program, designs, rows, results):
+    """Results (designs, results, count) of a list of operations at rows (rows, count)."""
+    arguments = {
+        "program": program,
+        "designs": designs,
+        "rows": rows.ravel().tolist(),
+        "count": rows.shape[1],
+        "results": results,
+    }
+    result = called(CALL, arguments)
     return np.array(result, dtype=float).reshape(len(designs), results, -1)
 
 
 def test_every_operation():
     trace, numbers, rows, outputs = every_operation()
     x, y, row = 0.7, -2.5, np.array([-1.0, -0.0, 0.0, 0.7, 3.0])
-    (result,) = by_javascript(javascript_source(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
+    (result,) = by_javascript(plain_program(trace, numbers, rows, outputs), [[x, y]], row[None], len(outputs))
     expected = trace.evaluate(outputs, dict(zip([*numbers, *rows], [x, y, row], strict=True)))
     for one, truth in zip(result, expected, strict=True):
         np.testing.assert_allclose(one, np.broadcast_to(truth, len(row)), rtol=1e-15, atol=0.0)
 
 
-def test_a_source_has_no_names():
-    hostile = "\\u2028'); fetch(`//x`); </script>"
-    sample = from_text(text_of("centric-slider-crank").replace("coupler", json.dumps(hostile)))
-    of = linkage_trace(sample, design_numbers(sample.linkage), names(sample))
-    words = set(javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines))
-    assert not words & set("\"'`\\</>") - {"<", ">", "/"}
-    assert "fetch" not in javascript_source(of.trace, sorted(of.trace.inputs.values()), (), of.lines)
+def test_a_list_that_reads_what_is_not_there_is_refused():
+    trace, numbers, rows, outputs = every_operation()
+    program = plain_program(trace, numbers, rows, outputs)
+    source = "linkproof.programSource(program)"
+    call = CALL.replace("const run", f"try {{ {source}; }} catch (e) {{ return e.message; }} const run")
+    for wrong in ({"names": ["constructor"]}, {"results": [10**6]}, {"operations": [[0, 99, 1]]}, {"results": [0.5]}):
+        assert called(call, {"program": program | wrong, "designs": []}) == "this is no list of operations"
+    assert called(call, {"program": program, "designs": []}) == []
 
 
 ORDINARY = ("moving-guides",)
@@ -169,7 +182,7 @@ def test_signals_of_other_designs_are_numpy_s(name):
     listed = linkage_trace(sample, free, chosen, accelerates=True)
     given = {number: listed.trace.inputs[number] for number in free if number in listed.trace.inputs}
     rows = [line for one, line in listed.trace.inputs.items() if one not in given]
-    source = javascript_source(listed.trace, [*given.values()], rows, listed.signals)
+    program = plain_program(listed.trace, [*given.values()], rows, listed.signals)
     reach = sample.crank_range()
     places = ANGLES if reach.is_full_turn else np.linspace(*np.array(reach.limits) @ [[0.8, 0.2], [0.2, 0.8]], 40)
     values = listed.values({}, places, SPEED, ACCELERATION)
@@ -182,7 +195,7 @@ def test_signals_of_other_designs_are_numpy_s(name):
             truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
             designs.append([other[one] for one in given])
     assert designs
-    for truth, result in zip(truths, by_javascript(source, designs, given_rows, len(chosen)), strict=True):
+    for truth, result in zip(truths, by_javascript(program, designs, given_rows, len(chosen)), strict=True):
         scales: dict[tuple[str, str], float] = {}
         for signal in chosen:
             kind = (signal.partition(":")[0], unit(signal, linkage))

@@ -22,7 +22,8 @@ FOUR_BAR = file_text("four-bar-with-a-coupler-point")
 ROUNDING = 8.0 * np.finfo(float).eps  # rad, of the angles that follow from one another
 AT_HAND = """
   Object.defineProperty(navigator, 'clipboard', { value: undefined }); // the text goes to a box
-  URL.createObjectURL = (blob) => { window.saved = blob; return '#'; }; // not every driver gets downloads
+  const made = URL.createObjectURL; // not every driver gets downloads
+  URL.createObjectURL = (blob) => (blob.type === 'text/csv' ? ((window.saved = blob), '#') : made.call(URL, blob));
   HTMLAnchorElement.prototype.click = () => {};
 """
 

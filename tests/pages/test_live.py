@@ -13,7 +13,7 @@ import pytest
 from analytic.description.loading import catalogue, literature, load
 from tests.analytic.linkages import text_of
 from tests.commands import linkproof, watching
-from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, started
+from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, opened, started
 from tests.pages.live_page import (
     AT_HAND,
     FOUR_BAR,
@@ -31,6 +31,7 @@ from tests.pages.live_page import (
 
 pytestmark = pytest.mark.usefixtures("_at_a_browser")
 
+E11 = (Path(__file__).parents[1] / "linkages" / "designer" / "e11.toml").read_text(encoding="utf-8")
 SAME = 1e-13  # of the peak
 CHANGES = 2
 UNCHANGING = {"n-four-bar", "shaper-quick-return"}  # formulas that branch, and a group without a formula
@@ -115,10 +116,11 @@ def test_the_page_computes_the_values_of_results_for_the_copied_file(browser, pa
 CORNERED = """
 torques = [{ link = "crank", interpolation = "linear", angle = [0.3, 100.123, 200.7], torque = [0, -9, 3] }]
 """
-FIGURES = """data => linkproof.load(document.querySelector('.widget[data-kind="live"]'), "model").then(formulas => {
-  const model = linkproof.liveModel(formulas, data);
+FIGURES = """async data => {
+  const program = await linkproof.load(document.querySelector('.widget[data-kind="live"]'), "model");
+  const model = linkproof.liveModel(await linkproof.liveProgram(program), data);
   return Object.fromEntries(model.figures(model.whole({})).map(({ name, value }) => [name, value]));
-})"""
+}"""
 
 
 def test_peaks_and_means_of_a_load_of_straight_lines_are_those_of_results(browser, page_of, tmp_path):
@@ -183,14 +185,17 @@ def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(browser, p
         assert mass.input_value() == heavy
         assert f"mass = {heavy}," in copied(page)
         click(page, "Copy address")
-        address = page.locator(".widget textarea").input_value()
+        page.wait_for_function("() => document.querySelector('.widget textarea').value.startsWith('#model=')")
+        end = page.locator(".widget textarea").input_value()
         page.goto("about:blank")
-        page.goto(address)
+        page.goto(f"{page_of('e11', E11).as_uri()}{end}")  # the page of another linkage
+        page.get_by_text("This linkage came with the address.").wait_for()
         page.locator(".live-scheme").wait_for()
         assert figure(page, "force in O1") == changed
         click(page, "Reset")
         assert copied(page) == FOUR_BAR
-        assert seen.faults == []
+        other = page_of("e11", E11).parent.as_uri()
+        assert [fault for fault in seen.faults if not fault.startswith(f"asks for {other}")] == []
 
 
 def test_arrows_point_along_the_joint_forces_of_results(browser, page_of, tmp_path):
@@ -239,8 +244,7 @@ def test_a_linkage_that_cannot_turn_is_drawn_where_it_stops(browser, page_of):
 
 
 def test_peaks_at_an_open_end_of_a_range_are_marked(browser, page_of):
-    text = (Path(__file__).parents[1] / "linkages" / "designer" / "e11.toml").read_text(encoding="utf-8")
-    with at_work(browser, page_of("e11", text), {"rocker.mass": 0.2}) as seen:
+    with at_work(browser, page_of("e11", E11), {"rocker.mass": 0.2}) as seen:
         for name in ("peak torque", "force in A", "shaking moment"):
             assert all(cell.endswith("*") for cell in figure(seen.page, name)[:2]), name
         assert "--from 40 --to 127" in seen.page.locator("main").inner_text()
@@ -294,6 +298,13 @@ def test_names_from_a_file_and_addresses_are_data(browser, page_of):
         assert seen.faults == []
 
 
+@pytest.mark.parametrize("end", ["AAAA", "q1YqSyxSslJKSy0qVqoFAA"])  # no stream, no linkage
+def test_an_address_without_a_linkage_is_refused_in_a_sentence(browser, page_of, end):
+    with opened(browser, page_of("four-bar", FOUR_BAR), fragment=f"model={end}") as seen:
+        seen.page.locator("h1").get_by_text("This address has no linkage").wait_for()
+        assert seen.faults == []
+
+
 @in_every_browser
 def test_a_watched_page_follows_its_file_and_saves_to_it(browser, tmp_path):
     file, faults = tmp_path / "mine.toml", []
@@ -312,6 +323,8 @@ def test_a_watched_page_follows_its_file_and_saves_to_it(browser, tmp_path):
         assert "mass = 0.14" in text
         assert "mass = 0.3" in text
         assert "# bolted to the frame" in text
+        click(page, "Copy address")
+        page.wait_for_function("() => document.querySelector('.widget textarea').value.startsWith('#model=')")
         click(page, "Save to mine.toml")
         page.wait_for_url(f"{address}#speed=500")
         page.wait_for_function(SAVED)

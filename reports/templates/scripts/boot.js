@@ -121,7 +121,42 @@ window.linkproof = (() => {
     }
   }
 
+  /* Text as letters of an address, and back. */
+  async function through(stream, bytes) {
+    const flow = new Response(new Blob([bytes]).stream().pipeThrough(stream));
+    return new Uint8Array(await flow.arrayBuffer());
+  }
+  async function packedText(text) {
+    const bytes = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(text));
+    const letters = Array.from(bytes, (one) => String.fromCharCode(one)).join("");
+    return btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+  }
+  async function unpackedText(letters) {
+    const plain = atob(letters.replaceAll("-", "+").replaceAll("_", "/"));
+    const bytes = Uint8Array.from(plain, (letter) => letter.charCodeAt(0));
+    return new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes));
+  }
+
+  /* A linkage that the address holds, in place of what is on the page. */
+  async function openModel() {
+    const letters = /^#model=([\w-]+)$/.exec(location.hash)?.[1], { make } = linkproof.controls;
+    if (!letters) return;
+    const main = document.getElementById("main"), element = make("div", "", { className: "widget" });
+    const back = make("a", "Leave it for the page that was here.", { href: location.pathname });
+    const note = make("p", "This linkage came with the address. ", { className: "subtitle" });
+    note.append(back);
+    try {
+      const model = JSON.parse(await unpackedText(letters));
+      if (!model.program || !model.data.results) throw new Error("no linkage");
+      main.replaceChildren(make("h1", model.title), note, element);
+      await kinds.get("live")(element, { ...model.data, opened: model });
+    } catch {
+      main.replaceChildren(make("h1", "This address has no linkage that this page can read"), note);
+    }
+  }
+
   function begin() {
+    openModel();
     startAll();
     stops();
   }
@@ -135,7 +170,8 @@ window.linkproof = (() => {
   dark.addEventListener("change", redraw);
   window.matchMedia("print").addEventListener("change", redraw);
   document.addEventListener("DOMContentLoaded", begin);
+  window.addEventListener("hashchange", openModel);
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
-  return { widget, load, loaded, unpacked, plot, colours, saveButton, redrawn };
+  return { widget, load, loaded, unpacked, packedText, plot, colours, saveButton, redrawn };
 })();

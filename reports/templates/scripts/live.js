@@ -1,11 +1,14 @@
 "use strict";
 // The part of a page that can be pulled at: points and numbers, undone and redone, copied as a file, curves, a link.
-linkproof.widget("live", (element, data) => linkproof.load(element, "model").then((formulas) => {
+linkproof.widget("live", async (element, data) => {
+  const program = data.opened?.program ?? await linkproof.load(element, "model");
   const { make, labelled, choice } = linkproof.controls, SECONDS = 6, STEPS = 1000, EVERY = 4; // frames between read-outs
   const PACES = [[0.1, "× 0.1"], [0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]];
   const WIDE = 900; // px of a page with the drawing beside the curves
   const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
-  const model = (data.isSampled ? linkproof.sampledModel : linkproof.liveModel)(formulas, data), { motion, length } = data, byName = model.byName;
+  const model = data.isSampled ? linkproof.sampledModel(program, data)
+    : linkproof.liveModel(await linkproof.liveProgram(program), data);
+  const { motion, length } = data, byName = model.byName;
   const before = model.whole({}), figuresBefore = model.figures(before);
   const done = [], undone = [], cells = [], rows = new Map();
   let design = fromAddress(), over = before, share = 0, playing = false, clock = 0;
@@ -49,7 +52,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     refresh();
   });
   window.addEventListener("hashchange", () => {
-    if (location.hash.includes("=")) change(fromAddress());
+    if (location.hash.includes("=") && !location.hash.startsWith("#model=") && element.isConnected) change(fromAddress());
   });
   element.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || event.target.type === "number") return;
@@ -72,7 +75,7 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     const controls = box("controls", playButton, labelled(`${axis} `, place), at);
     const own = [stepLabel, undoButton, redoButton, resetButton, button("Copy as TOML", copy), button("Copy address", link)];
     const tools = box("controls live-tools", paceLabel, ...(data.isSampled ? [] : own), button("Save curves", save));
-    if (linkproof.watched && !data.isSampled) tools.append(button(`Save to ${data.name}.toml`, saveFile));
+    if (linkproof.watched && !data.isSampled && !data.opened) tools.append(button(`Save to ${data.name}.toml`, saveFile));
     const fold = make("details", "", { className: "live-figures", open: innerWidth > WIDE });
     fold.append(make("summary", "Key figures"), figuresTable());
     const words = "Dots are peaks. Point at a curve to read it; drag along it to move the linkage. Values at ";
@@ -436,15 +439,22 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
       tell(reason);
     });
   }
-  function link() {
-    toAddress(design);
-    hand(location.href, "The address of these numbers is copied.");
+  /** The whole model goes into the address, so that any page of results opens it; where the page's own has a secret, or
+   * is a file's, what follows it alone. */
+  async function link() {
+    const { opened: _, ...own } = data, title = document.querySelector("h1").textContent;
+    const letters = await linkproof.packedText(JSON.stringify({ title, design, program, data: own }));
+    const isPlain = !linkproof.watched && location.protocol !== "file:";
+    const place = isPlain ? location.href.replace(/#.*/s, "") : "";
+    hand(`${place}#model=${letters}`, isPlain ? "The address with this linkage is copied."
+      : "The end of an address with this linkage is copied: put it behind that of any page of results.");
   }
   function toAddress(values) {
     history.replaceState(null, "", `#${new URLSearchParams(Object.entries(values))}`);
   }
   function fromAddress() {
-    const given = [...new URLSearchParams(location.hash.slice(1))].filter(([, value]) => value.trim() !== "");
+    const words = data.opened ? Object.entries(data.opened.design) : [...new URLSearchParams(location.hash.slice(1))];
+    const given = words.filter(([, value]) => String(value).trim() !== "");
     const numbers = given.map(([name, value]) => [name, Number(value)]);
     return Object.fromEntries(numbers.filter(([name, value]) => byName.get(name)?.offered && Number.isFinite(value)));
   }
@@ -473,4 +483,4 @@ linkproof.widget("live", (element, data) => linkproof.load(element, "model").the
     make("a", "", { href: address, download: `${data.name}.csv` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 1000);
   }
-}));
+});

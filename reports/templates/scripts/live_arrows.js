@@ -2,7 +2,8 @@
 // Arrows at the points of a drawing: forces in joints, loads, velocities and accelerations, each kind to its own scale.
 linkproof.liveArrows = (data, model, scheme) => {
   const LONG = 80, FACTORS = [[0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]]; // px
-  const { make, choice, toggles, swatch } = linkproof.controls, { length, joints, loads } = data;
+  const { make, choice, toggles, swatch } = linkproof.controls, { length, joints } = data;
+  const loads = data.loads.filter(({ number, force: own }) => own || data.laws?.some((law) => law.load === number));
   const points = [...new Set(data.results.map(({ name }) => /^point:(.*):x$/.exec(name)?.[1]).filter(Boolean))];
   const at = (over, name, i) => over.found[model.places.get(name) * over.times.length + i];
   const along = (name, over, i) => ["x", "y"].map((axis) => at(over, `${name}:${axis}`, i));
@@ -20,7 +21,7 @@ linkproof.liveArrows = (data, model, scheme) => {
   const force = data.results.find(({ name }) => name.startsWith("joint_force:"));
   const { unit, size } = force ?? { unit: "N", size: 1 };
   const inJoints = (over, i) => joints.map(({ name, point }) => [point, along(`joint_force:${name}`, over, i)]);
-  const outside = (over, i, design) => loads.map((one, n) => [one.point, model.load(n, one.force, over.phi[i], design)]);
+  const outside = (over, i, design) => loads.map((one) => [one.point, model.load(one.number, one.force, over.phi[i], design)]);
   const kinds = {
     "joint forces": { ink: "c1", unit, size, list: inJoints },
     loads: { ink: "c3", unit, size, list: outside },

@@ -138,7 +138,7 @@ def test_data_of_a_widget_is_on_the_page_and_further_data_beside_it(folder):
 
 def test_a_page_loads_its_assets_and_nothing_from_elsewhere(page, folder):
     (policy,) = (meta["content"] for meta in page.of("meta") if meta.get("http-equiv") == "Content-Security-Policy")
-    assert policy.startswith("default-src 'none'; script-src 'self' file:;")
+    assert policy.startswith("default-src 'none'; script-src 'self' file: blob:;")
     loaded = [one["href"] for one in page.of("link")][1:] + [one["src"] for one in page.of("script") if "src" in one]
     assert len(loaded) == 2
     for file in loaded:
