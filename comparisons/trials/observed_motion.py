@@ -233,7 +233,10 @@ PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the 
 
 def is_off_jumps(time: Array, jumps: Sequence[float]) -> NDArray[np.bool_]:
     """Which samples at these times, s, have one value: one on a jump has two, and an engine shows either or neither."""
-    return np.all([np.abs(time - jump) > _same_time(time) for jump in jumps] or [np.full(len(time), True)], axis=0)
+    result = np.full(len(time), True)
+    for jump in jumps:
+        result &= np.abs(time - jump) > _same_time(time)
+    return result
 
 
 def _same_time(time: Array) -> float:
