@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
     from analytic.description.loading import load
     from analytic.errors import LinkproofError
-    from linkproof import engine
     from reports.api.designer import check, evaluate, judge, mechanisms, new, optimise, results, sweep, tolerance
     from reports.api.options import Motion, SteadyMotion
     from reports.api.trials import check_engine, engines
@@ -38,15 +37,8 @@ _MODULES = {
     "reports.api.trials": ("check_engine", "engines"),
     "reports.api.options": ("Motion", "SteadyMotion"),
     "reports.api.designer": (
-        "check",
-        "evaluate",
-        "judge",
-        "mechanisms",
-        "new",
-        "optimise",
-        "results",
-        "sweep",
-        "tolerance",
+        *("check", "evaluate", "judge", "mechanisms", "new", "optimise"),
+        *("results", "sweep", "tolerance"),
     ),
 }
 

@@ -11,17 +11,17 @@ from engines.contract import (
     Abilities, Engine, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal, StudiedEngine,
 )  # fmt: skip
 from engines.scene import (
-    AppliedForce, AppliedTorque, Body, Channel, Cylinder, Free, PinJoint, PointSpring, Prescribed, Scene, SliderJoint,
-    SlotJoint, Travel, TurnDamper, TurnSpring,
+    AppliedForce, AppliedTorque, Body, Channel, CoulombFriction, Cylinder, Free, PinJoint, PointSpring, Prescribed,
+    Scene, SliderJoint, SlotJoint, Travel, TurnDamper, TurnSpring,
 )  # fmt: skip
 from engines.stepping.intervals import DivergedError, UnsupportedError
 from engines.stepping.stepped_engine import LoopEngine, plain_law
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 __all__ = [
-    "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "Course", "Cylinder", "DivergedError",
-    "DriverKind", "Engine", "Free", "History", "LoopEngine", "Method", "Origin", "Outcome", "PinJoint", "PointSpring",
-    "Prescribed", "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint",
+    "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "CoulombFriction", "Course", "Cylinder",
+    "DivergedError", "DriverKind", "Engine", "Free", "History", "LoopEngine", "Method", "Origin", "Outcome", "PinJoint",
+    "PointSpring", "Prescribed", "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint",
     "SteppedEngine", "StudiedEngine", "Travel", "TurnDamper", "TurnSpring", "UnsupportedError",
     "parametrize_engine_checks", "plain_law",
 ]  # fmt: skip

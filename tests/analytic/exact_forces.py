@@ -87,7 +87,6 @@ def _loads(exact: Exact, speed: mpf) -> mp.matrix:
     """Loads and inertia forces along the coordinates x, y and θ of every link's frame."""
     linkage, here = exact.linkage, exact.states[0]
     bodies, total = list(linkage.links), mp.matrix(3 * len(linkage.links), 1)
-    angle = float(exact.angle)
 
     def push(body: str, local: tuple[mpf, mpf], fx: mpf, fy: mpf, moment: mpf | int = 0) -> None:
         if body != GROUND:
@@ -100,10 +99,8 @@ def _loads(exact: Exact, speed: mpf) -> mp.matrix:
         x, y = exact.point(name, link.centre)
         moment = -mpf(link.inertia or 0.0) * exact.turn(name)[2] * speed**2
         push(name, link.centre, link.mass * (gx - x[2] * speed**2), link.mass * (gy - y[2] * speed**2), moment)
-    for force in linkage.forces:
-        push(force.link, linkage.local(force.point, force.link), *(mpf(float(f)) for f in force.force(angle)))
-    for torque in linkage.torques:
-        push(torque.link, (0, 0), mpf(0), mpf(0), mpf(float(torque.torque(angle)[0])))
+    for load in exact.loads(speed):
+        push(*load)
     for damper in linkage.dampers:
         one, two = (exact.turn(body)[1] for body in damper.links)
         for body, side in zip(damper.links, (-1, 1), strict=True):

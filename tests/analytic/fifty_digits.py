@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from mpmath import mp, mpf
 
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -45,6 +46,12 @@ class Frames:
         x, y, *_ = self.of[body]
         a, b = self.turned(body, local)
         return x + a, y + b
+
+    def local(self, body: str, place: tuple[mpf, mpf]) -> tuple[mpf, mpf]:
+        """A place of the ground frame in a body's own axes."""
+        x, y, _, c, s = self.of[body]
+        a, b = place[0] - x, place[1] - y
+        return c * a + s * b, c * b - s * a
 
     def named(self, point: str, body: str) -> tuple[mpf, mpf]:
         """A named point as a body carries it."""
@@ -78,6 +85,7 @@ class Exact:
     def __init__(self, sweep: Sweep) -> None:
         mp.dps = DIGITS
         self.linkage: Linkage = sweep.linkage
+        self.zero_of_s = sweep.zero_of_s
         self.angle = sweep.angle if isinstance(sweep.angle, mpf) else mpf(float(sweep.angle))
         start = _start(sweep)
         self.inverse = np.linalg.inv(_jacobian(self.linkage, start))
@@ -126,17 +134,42 @@ class Exact:
         """½ Jeq', a difference of Jeq itself."""
         return (self.inertia(1) - self.inertia(-1)) / (4 * STEP)
 
-    def force(self) -> mpf:
+    def force(self, speed: float = 1.0) -> mpf:
         """Q: minus the slope of the potential, plus the virtual work of forces and torques."""
         total = -self.differences(Frames.potential)[1]
-        angle = float(self.angle)
-        for force in self.linkage.forces:
-            x, y = self.point(force.link, self.linkage.local(force.point, force.link))
-            fx, fy = (mpf(float(part)) for part in force.force(angle))
-            total += fx * x[1] + fy * y[1]
-        for torque in self.linkage.torques:
-            total += mpf(float(torque.torque(angle)[0])) * self.turn(torque.link)[1]
+        for body, local, fx, fy, moment in self.loads(speed):
+            if body != GROUND:
+                x, y = self.point(body, local)
+                total += fx * x[1] + fy * y[1] + moment * self.turn(body)[1]
         return total
+
+    def loads(self, speed: float = 1.0) -> Iterator[tuple[str, tuple[mpf, mpf], mpf, mpf, mpf]]:
+        """Of every applied load and its reaction: body, point in its own axes, force and moment in the ground frame."""
+        here, none = self.states[0], (mpf(0), mpf(0))
+        for force in self.linkage.forces:
+            point = self.linkage.local(force.point, force.link)
+            fx, fy = here.turned(force.frame, self.law(force.force, speed))
+            yield force.link, point, fx, fy, mpf(0)
+            if force.reaction:
+                yield force.reaction, here.local(force.reaction, here.place(force.link, point)), -fx, -fy, mpf(0)
+        for torque in self.linkage.torques:
+            (moment,) = self.law(torque.torque, speed)
+            yield torque.link, none, mpf(0), mpf(0), moment
+            if torque.reaction:
+                yield torque.reaction, none, mpf(0), mpf(0), -moment
+
+    def law(self, law: Law, speed: float) -> list[mpf]:
+        """Components of a load's law where the linkage is, each in double precision."""
+        if law.over == "phi" and not law.when:
+            return [mpf(float(part)) for part in law(float(self.angle))]
+        output = self.linkage.output
+        place = self.point(output.link, self.linkage.local(output.point, output.link))
+        height, rate, _ = (sum(mpf(c) * q[k] for c, q in zip(output.along, place, strict=True)) for k in range(3))
+        if law.when and (law.when == "advance") != (
+            rate * speed < 0
+        ):  # S grows while the point goes back along the output
+            return [mpf(0)] * len(law(0.0))
+        return [mpf(float(part)) for part in law(float(self.angle if law.over == "phi" else self.zero_of_s() - height))]
 
     def damping(self) -> mpf:
         """Damping reduced to the crank: twice the dissipation at unit speed."""
@@ -152,7 +185,7 @@ class Exact:
     def torque(self, speed: float, acceleration: float) -> mpf:
         """Mkr that the crank's motion takes."""
         moving = self.inertia() * mpf(acceleration) + self.half_slope() * mpf(speed) ** 2
-        return moving + self.damping() * mpf(speed) - self.force()
+        return moving + self.damping() * mpf(speed) - self.force(speed)
 
 
 @lru_cache(maxsize=512)
