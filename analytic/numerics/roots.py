@@ -16,6 +16,9 @@ SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones
 
 def root(function: Callable[[float], float], left: float, right: float) -> float:
     """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits."""
+    for end in (left, right):
+        if function(end) == 0.0:
+            return end
     ends = np.array([left]), np.array([right])
     return float(roots(lambda place: np.array([function(float(place[0]))]), ends[0], *ends, settled=0.0)[0])
 

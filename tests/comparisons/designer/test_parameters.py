@@ -46,7 +46,7 @@ def test_a_place_is_in_degrees_whatever_the_unit_of_the_file(unit, place, angle)
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("torque", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],
+    [("Mkr", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],
 )
 def test_a_wrong_name_has_the_nearest_few(name, meant):
     with pytest.raises(LinkproofError) as told:

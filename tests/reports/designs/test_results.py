@@ -114,7 +114,7 @@ def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
     """By the reader of other tools' files, which takes names and units from the headers."""
     found = piston(*IMPERIAL)
     (tmp_path / "t.csv").write_text(csv_table(found, ","), encoding="utf-8")
-    read = read_results([tmp_path / "t.csv"], found.linkage, None)
+    read = read_results([tmp_path / "t.csv"], found.linkage, ())
     signals = json.loads(json_text(found))["values"]
     assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}
     assert len(read.signals) > 40

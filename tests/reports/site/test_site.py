@@ -21,7 +21,7 @@ from comparisons.trials.work_precision.table import KIND as BENCH
 from comparisons.trials.work_precision.table import save as save_bench
 from engines.contract import Setting
 from reports.site import write_site
-from tests.commands import refused
+from tests.commands import linkproof
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
 from tests.reports.made_up_stress import made_up_stress
@@ -135,6 +135,7 @@ def test_two_commands_do_not_write_into_one_folder(tmp_path):
         fcntl.flock(handle, fcntl.LOCK_EX)
         with pytest.raises(LinkproofError, match=words):
             write_site(tmp_path)
-        assert words in refused("results", NAME, "--out", tmp_path)
+        done = linkproof("results", NAME, "--out", tmp_path)
+        assert (done.returncode, words in done.stderr) == (2, True)
     finally:
         os.close(handle)

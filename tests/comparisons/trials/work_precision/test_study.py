@@ -138,11 +138,11 @@ def test_a_method_that_raises_costs_its_own_points(measured):
 def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
     run = LocalPool.run
 
-    def dying(pool, function, jobs, *_):
+    def dying(pool, function, jobs, *args, **words):
         for number, job in enumerate(jobs):
             dies = job[1] is Setting.BEST
             died = Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)")
-            yield number, died if dies else next(run(pool, function, [job]))[1]
+            yield number, died if dies else next(run(pool, function, [job], *args, **words))[1]
 
     monkeypatch.setattr(LocalPool, "run", dying)
     found = {one.setting: one for one in bench(REQUEST).points if one.kind == SETTING}

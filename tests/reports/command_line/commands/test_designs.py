@@ -76,7 +76,7 @@ def test_every_file_of_a_sweep_has_the_same_values_and_the_summary_counts_assemb
 )
 def test_bad_input_of_a_sweep_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, options, words):
     monkeypatch.chdir(tmp_path)
-    done = swept(Path("new/t.csv"), **options)
+    done = swept(Path("t.csv"), **options)
     assert (done.returncode, done.stdout) == (2, "")
     assert words in done.stderr
     assert not list(tmp_path.rglob("*.*"))
@@ -117,7 +117,7 @@ def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
     ):  # fmt: skip
         assert text in done.stdout
     assert "Mkr" in curves.read_text(encoding="utf-8")
-    assert f"linkproof compare {best}" in done.stderr
+    assert f"linkproof compare {best}" in done.stdout
     repeated = json.loads(optimised(*document["command"].replace("'", "").split()[2:], "--json", "-q").stdout)
     assert repeated == document
 
@@ -128,7 +128,7 @@ def test_the_speed_may_be_varied_and_is_printed_since_no_file_has_it(tmp_path):
     done = optimised(*words, "--save", best, "--save", results)
     assert saved(results)[2]["Mkr.peak"]["change"] == pytest.approx(0.8**2 - 1.0, rel=1e-9)  # at the lower bound
     assert "It is the best design at 800 rpm: a linkage file has no speed." in done.stdout
-    assert f"linkproof compare {best} --speed 800 --clockwise --no-gravity" in done.stderr
+    assert f"linkproof compare {best} --speed 800 --clockwise --no-gravity" in done.stdout
     assert load(best).links == load("rimoldi-164").links
 
 
