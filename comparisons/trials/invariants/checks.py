@@ -52,7 +52,7 @@ from comparisons.trials.observed_motion import (
 from engines.contract import History, Signal
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import start_coordinate, start_motion
-from engines.scene import Channel, Free, Prescribed
+from engines.scene import Channel, Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
 
@@ -317,6 +317,8 @@ def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Err
             yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
         elif name in OF_FORCES and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+        elif name == "weight_on_frame" and _is_switched(motion.scene):
+            yield _undefined(record, "a load that acts one way alone jumps between samples: no mean is exact")
         elif name in BALANCES | OF_FORCES and motion.scene.friction:
             yield _undefined(record, "friction by the joints' own forces is no part of the balance")
         elif name in BALANCES and case.mechanism.linkage.is_idle:
@@ -325,6 +327,11 @@ def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Err
             yield _invariant_record(
                 case, inspection, record._replace(origin=blank.origin or motion.origin(needed).value)
             )
+
+
+def _is_switched(scene: Scene) -> bool:
+    """Whether a load acts while the output advances or returns alone."""
+    return any(law.when for law in (*(f.force for f in scene.forces), *(t.torque for t in scene.torques)))
 
 
 def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:

@@ -67,8 +67,8 @@ def _nudged(linkage: Linkage, nudges: Mapping[str, mpf]) -> Linkage:
 @cache
 def _exact(sample: Mechanism, angle: float, nudges: frozenset[tuple[str, mpf]]) -> Exact:
     sweep = sample.sweep(angle)
-    nudged = SimpleNamespace(linkage=_nudged(sample.linkage, dict(nudges)), poses=sweep.poses, angle=angle)
-    return Exact(nudged)
+    linkage = _nudged(sample.linkage, dict(nudges))
+    return Exact(SimpleNamespace(linkage=linkage, poses=sweep.poses, angle=angle, zero_of_s=sweep.zero_of_s))
 
 
 def _differences(sample: Mechanism, angle: float, parameters: list[str], names: list[str]) -> np.ndarray:
