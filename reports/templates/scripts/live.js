@@ -341,9 +341,10 @@ linkproof.widget("live", async (element, data) => {
     if (found) arrows.draw(over, share, design);
     scheme.svg.classList.toggle("unmade", !found);
     scheme.svg.classList.toggle("halted", halted);
-    at.textContent = angle(phi);
+    const here = told(motion.steady ? phi : share * over.duration);
+    at.textContent = here;
     place.value = Math.round(share * STEPS);
-    place.ariaValueText = angle(phi);
+    place.ariaValueText = here;
     frames += 1;
     if (!playing || frames % EVERY === 0) readOut();
   }
