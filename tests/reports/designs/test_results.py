@@ -15,9 +15,7 @@ from comparisons.designer.curves import Instants
 from comparisons.filejudge.reading import read_results
 from reports.charts.draw import picture
 from reports.designs.results_drawing import results_figure
-from reports.designs.results_dxf import dxf
 from reports.designs.results_terminal import csv_table, json_text, printed
-from reports.designs.results_workbook import workbook
 from reports.document.terminal import rendered
 from tests.analytic.linkages import FOLDER, driven, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -39,6 +37,8 @@ from tests.reports.designs.samples import (
 
 ezdxf = pytest.importorskip("ezdxf")
 openpyxl = pytest.importorskip("openpyxl")
+dxf = pytest.importorskip("reports.designs.results_dxf").dxf
+workbook = pytest.importorskip("reports.designs.results_workbook").workbook
 
 
 def table(results):
