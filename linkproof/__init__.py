@@ -58,16 +58,18 @@ def refuse_strangers() -> None:
             raise ImportError(f"expected linkproof's package '{name}' in '{home}', got {got}: {cure}", name=name)
 
 
-def __getattr__(name: str) -> object:
-    if name == "__version__":
-        return import_module("importlib.metadata").version("linkproof")
-    if name == "engine":
-        return import_module("linkproof.engine")
-    refuse_strangers()
-    for module, names in _MODULES.items():
-        if name in names:
-            return getattr(import_module(module), name)
-    raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
+if not TYPE_CHECKING:  # to whom every name would be there
+
+    def __getattr__(name: str) -> object:
+        if name == "__version__":
+            return import_module("importlib.metadata").version("linkproof")
+        if name == "engine":
+            return import_module("linkproof.engine")
+        refuse_strangers()
+        for module, names in _MODULES.items():
+            if name in names:
+                return getattr(import_module(module), name)
+        raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
 
 
 def __dir__() -> list[str]:

@@ -57,7 +57,7 @@ try:
     worst = max(record.error_max or 0.0 for record in comparison.records)
 except linkproof.LinkproofError as error:
     print(error)
-facts = linkproof.check(needle)
+facts = linkproof.check(needle).to_dict()
 print(f"{peak:.3g}", force.attrs["units"], passed, worst < 1e-3, facts["structure"], channels(Mine()))
 """
 # Each call is wrong by its types.
@@ -66,7 +66,7 @@ import linkproof
 
 linkproof.load(3)
 linkproof.results("juki-mf7923d", linkproof.Motion(speed="fast")).dataset
-linkproof.compare("juki-mf7923d", engines="direct")
+linkproof.sweep("juki-mf7923d", quantities="Mkr.peak")
 linkproof.Mechanism
 """
 WRONG_LINES = (4, 5, 6, 7)
