@@ -347,14 +347,17 @@ Gravity = Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))
 Variant = Annotated[str | None, Option("Variant of the file; default: its own values.", "NAME", names="variants")]
 
 
-def _check_fields(options: Any) -> None:  # noqa: ANN401 - a dataclass
-    for option in declared_options(type(options)):
-        name = option.field.name
-        object.__setattr__(options, name, option_value(option, getattr(options, name)))
+class Checked:
+    """Options each of which takes its one form; raises LinkproofError for a value of another type."""
+
+    def __post_init__(self) -> None:
+        for option in declared_options(type(self)):
+            name = option.field.name
+            object.__setattr__(self, name, option_value(option, getattr(self, name)))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class Motion(Checked):
     """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
 
     A negative ``speed`` turns clockwise; None is ``USUAL_SPEED``, of a drive along a line its mean. With ``from_angle``
@@ -382,10 +385,6 @@ class Motion:
     to_angle: To = None
     clockwise: Clockwise = False
     gravity: Gravity = True
-
-    def __post_init__(self) -> None:
-        """Give every field one form; raises LinkproofError for a value of another type."""
-        _check_fields(self)
 
     @property
     def rpm(self) -> float:
@@ -415,7 +414,7 @@ class Motion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteadyMotion:
+class SteadyMotion(Checked):
     """A motion at constant speed, rpm: over a turn, or between two angles, degrees; else as in ``Motion``."""
 
     variant: Variant = None
@@ -424,10 +423,6 @@ class SteadyMotion:
     to_angle: To = None
     clockwise: Clockwise = False
     gravity: Gravity = True
-
-    def __post_init__(self) -> None:
-        """Give every field one form; raises LinkproofError for a value of another type."""
-        _check_fields(self)
 
     @property
     def motion(self) -> Motion:

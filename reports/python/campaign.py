@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from markupsafe import escape
-
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import Results, with_runs
 from comparisons.trials.campaign.standard import JudgedCampaign
 from comparisons.trials.judging.changes import Change, write_rows
 from comparisons.trials.judging.limits import deciding
@@ -22,50 +19,16 @@ from reports.api.campaign import Campaign, campaign
 from reports.api.exit_codes import campaign_exit_code
 from reports.api.options import CompareOptions, RunLimits, StandardOptions
 from reports.campaign.terminal import printout
-from reports.document.terminal import Printed, Printout, rendered
+from reports.document.study import Study
+from reports.document.terminal import Printout
 from reports.python.keywords import with_keywords
 
 if TYPE_CHECKING:
-    import pandas
     import xarray
     from matplotlib.figure import Figure
 
 Named = TypeVar("Named")
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
-
-
-class PrintedResult(ABC):
-    """A result with the output of its command."""
-
-    @abstractmethod
-    def _printout(self) -> Printout:
-        """The output of the command."""
-
-    @abstractmethod
-    def _rows(self) -> Sequence[Mapping[str, Any]]:
-        """The rows of the table, by the names of its columns."""
-
-    def _sentence(self) -> Printed:
-        """The outcome in a sentence."""
-        return self._printout().closing[-1]
-
-    def __repr__(self) -> str:
-        """A line: the kind of result and the outcome."""
-        return f"<{type(self).__name__}: {rendered(self._sentence()).strip()}>"
-
-    def __str__(self) -> str:
-        """The output of the command."""
-        printed = self._printout()
-        return rendered(*printed.tables, *printed.closing).strip("\n")
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self))}</pre>"
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """A row for every record, verdict or finding, a column for each of its fields."""
-        import pandas  # noqa: PLC0415  half a second that results alone do not pay
-
-        return pandas.DataFrame(self._rows())
 
 
 def failed_rows(records: Iterable[Error]) -> list[str]:
@@ -78,7 +41,7 @@ def failed_rows(records: Iterable[Error]) -> list[str]:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(PrintedResult):
+class Comparison(Study):
     """The result of a comparison: a record per run, quantity and check, and the changes since earlier results.
 
     ``repr`` is a line, ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
@@ -118,16 +81,27 @@ class Comparison(PrintedResult):
             errors_chart(view, _value_by_name("regime", regime, {motion.name: motion for motion in view.regimes}))
         )
 
-    def _printout(self) -> Printout:
+    def printout(self) -> Printout:
+        """The output of the command."""
         return printout(self.judged.runs, self.changes, self.campaign.environment)
 
-    def _rows(self) -> Sequence[Mapping[str, Any]]:
+    def to_dict(self) -> Mapping[str, Any]:
+        """What the command prints as JSON."""
+        return with_runs(self.campaign.document(self.judged), self.judged.runs)
+
+    def rows(self) -> Sequence[Mapping[str, Any]]:
+        """A row for each record."""
         return [row for run in self.judged.runs for row in run.rows(run.every)]
+
+    @property
+    def exit_code(self) -> int:  # type: ignore[override]
+        """That of the command; raises LinkproofError if nothing could be judged."""
+        return campaign_exit_code(self.records, changes=self.changes)
 
     @property
     def passed(self) -> bool:
         """Whether the command would exit with 0; raises LinkproofError if nothing could be judged."""
-        return campaign_exit_code(self.records, changes=self.changes) == PASSED
+        return self.exit_code == PASSED
 
     def check(self) -> Comparison:
         """The comparison itself if it has passed; a test is ``linkproof.compare("press.toml").check()``.

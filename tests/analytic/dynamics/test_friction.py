@@ -1,6 +1,5 @@
 """Friction of pins and guides by the forces of the frictional equilibrium itself, and where it locks a linkage."""
 
-import tomllib
 from math import asin, degrees
 
 import numpy as np
@@ -18,9 +17,9 @@ from engines.contract import Setting
 from engines.mechanics.start_check import ability_obstacle
 from engines.registry import engine
 from engines.scene import Channel
+from tests.analytic.absolute_coordinates import largest_error
 from tests.analytic.linkages import text_of
 from tests.analytic.textbook import PENDULUM
-from tests.nightly.judging.multibody import Multibody
 from tests.nightly.random_linkages import draw
 
 PHI, SPEED, CLOSE = np.linspace(0.1, 6.3, 91), 7.0, 1e-11
@@ -39,30 +38,15 @@ def rubbing(number):
     return f"friction = {{ {', '.join(tables)} }}\n{text}"
 
 
-def largest_error(number, speed):
-    """The largest deviation of torque and joint forces from the solution in absolute coordinates, over peaks.
-
-    A guide's joint force is that across it, as multipliers of its line are.
-    """
-    text = rubbing(number)
-    motion = PHI, np.full(len(PHI), speed), np.zeros(len(PHI))
-    control = Multibody(tomllib.loads(text)).curves(np.zeros(0), lambda _: motion)
-    names = [name for name in control if name == "Mkr" or name.startswith("joint_force")]
-    found = evaluate(Mechanism(parse(text, "drawn", "drawn")), PHI, names, speed=speed)
-    peak = max(np.max(np.abs(control[name])) for name in names if name != "Mkr")
-    peaks = {name: np.max(np.abs(control[name])) if name == "Mkr" else peak for name in names}
-    return max(np.max(np.abs(found[name] - control[name])) / peaks[name] for name in names)
-
-
 @pytest.mark.parametrize("number", range(4))
 def test_forces_and_torque_are_those_of_a_solution_in_absolute_coordinates(number):
-    assert largest_error(number, SPEED) < CLOSE
-    assert largest_error(number, -SPEED) < CLOSE
+    assert largest_error(rubbing(number), PHI, SPEED) < CLOSE
+    assert largest_error(rubbing(number), PHI, -SPEED) < CLOSE
 
 
 @pytest.mark.nightly
 def test_so_are_those_of_a_hundred_linkages():
-    assert max(largest_error(number, SPEED) for number in range(4, 104)) < CLOSE
+    assert max(largest_error(rubbing(number), PHI, SPEED) for number in range(4, 104)) < CLOSE
 
 
 def test_a_pivot_resists_by_its_radius_and_the_weight_on_it():

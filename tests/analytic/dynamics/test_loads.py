@@ -24,8 +24,8 @@ from engines.contract import Setting
 from engines.mechanics.start_check import ability_obstacle
 from engines.registry import engine
 from engines.scene import Channel
+from tests.analytic.absolute_coordinates import largest_error
 from tests.analytic.linkages import text_of
-from tests.nightly.judging.multibody import Multibody
 from tests.nightly.random_linkages import draw
 
 PHI = np.linspace(0.1, 0.1 + 4.0 * np.pi, 101)  # of two turns
@@ -52,28 +52,15 @@ def laden(number):
     )
 
 
-def largest_error(number, speed):
-    """The largest deviation of torque and joint forces from the solution in absolute coordinates, over peaks."""
-    text = laden(number)
-    control = Multibody(tomllib.loads(text)).curves(
-        np.zeros(0), lambda _: (PHI, np.full(len(PHI), speed), np.zeros(len(PHI)))
-    )
-    names = [name for name in control if name == "Mkr" or name.startswith("joint_force")]
-    found = evaluate(Mechanism(parse(text, "drawn", "drawn")), PHI, names, speed=speed)
-    peak = max(np.max(np.abs(control[name])) for name in names if name != "Mkr")
-    peaks = {name: np.max(np.abs(control[name])) if name == "Mkr" else peak for name in names}
-    return max(np.max(np.abs(found[name] - control[name])) / peaks[name] for name in names)
-
-
 @pytest.mark.parametrize("number", range(4))
 def test_they_are_those_of_a_solution_in_absolute_coordinates(number):
-    assert largest_error(number, SPEED) < CLOSE
-    assert largest_error(number, -SPEED) < CLOSE
+    assert largest_error(laden(number), PHI, SPEED) < CLOSE
+    assert largest_error(laden(number), PHI, -SPEED) < CLOSE
 
 
 @pytest.mark.nightly
 def test_so_are_those_of_a_hundred_linkages():
-    assert max(largest_error(number, SPEED) for number in range(4, 104)) < CLOSE
+    assert max(largest_error(laden(number), PHI, SPEED) for number in range(4, 104)) < CLOSE
 
 
 PRESS, _, _LOADS = text_of("laden-press").partition("[[")
