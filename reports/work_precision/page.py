@@ -341,15 +341,11 @@ def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
 def _measured(bench: Bench) -> Section:
     """The conditions of the measurement, in sentences."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
-    work, share = document["noise"]["work"], noise_share(bench)
-    sentences = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)
-    known = {entry["engine"]: entry["seconds"] for entry in document["first_use"] if entry["seconds"]}
-    first = ", ".join(f"{name} {seconds(min(times))}" for name, times in known.items()) or "not measured"
+    sentences = lines("measurement", extent=document["extent"], noise=bench.noise, share=noise_share(bench))
     facts = Facts((
         ("Conditions", document["conditions"]),
         *environment_facts(document["environment"]),
         ("Points", f"{len(bench.points)}, timed {repeats} times in all"),
-        ("First use", f"{first}: the first run of a process beyond the second, import included"),
         ("Records", Mono(STORE)),
     ))  # fmt: skip
     rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(sentences)),))

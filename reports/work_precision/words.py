@@ -89,7 +89,7 @@ def least_words(sweep: DataFrame) -> str:
 
 def noise_share(bench: Bench) -> float:
     """The share by which two times of one thing may differ here."""
-    return max(LEAST_NOISE, bench.noise.median_excess)
+    return max(LEAST_NOISE, bench.noise)
 
 
 def noise_note(bench: Bench) -> str:

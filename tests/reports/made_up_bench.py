@@ -43,8 +43,6 @@ def document(mechanisms, engines, **changes):
         "conditions": "as tested",
         "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},
         "extent": {"steps_per_turn": [12.0], "budget": 1.0, "repeats": 5, "patience": 0.6},
-        "noise": {"work": "some additions", "samples": [1e-3, 1.1e-3, 1.3e-3]},
-        "first_use": [{"engine": name, "seconds": [0.3, 0.2]} for name in engines],
         "mechanisms": [{"name": name, "title": f"The {name}", "variant": "v"} for name in mechanisms],
         "methods": [
             {"engine": engine, "name": name, "about": f"what <{name}> does", "runs": runs, "effort": effort,
@@ -70,4 +68,4 @@ def nothing_finished():
         seconds=0.0,
         repeats=(),
     )
-    return Bench(document(("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}), points([absent]))
+    return Bench(document(("m",), ("gamma",), methods=[]), points([absent]))

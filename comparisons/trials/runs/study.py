@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
@@ -101,10 +101,6 @@ class Study(Generic[R]):
     def result(self, key: str) -> R:
         """The result of a task that is finished, read back; raises KeyError for any other."""
         return self.decode(*self._runs.read(key))
-
-    def results(self) -> Iterator[R]:
-        """Every result that the tasks known of have by now, in the order in which they were finished."""
-        return (self.result(key) for key in self._runs.keys if key in self._known)
 
     def has(self, key: str) -> bool:
         """Whether a task is finished."""

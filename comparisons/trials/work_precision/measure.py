@@ -11,8 +11,6 @@ from dataclasses import replace
 from pkgutil import resolve_name
 from typing import Any, TypeVar
 
-import numpy as np
-
 from comparisons.motion.case import Case, unpickle_case
 from comparisons.trials.judging.quantities import (
     JOINT_FORCE,
@@ -26,7 +24,7 @@ from comparisons.trials.judging.records import Error, Verdict
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.run_engine import blamed_on, checked, started
-from comparisons.trials.work_precision.table import CALIBRATION, FIRST_USE, BenchRun
+from comparisons.trials.work_precision.table import BenchRun
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.scene import Scene
 
@@ -36,9 +34,6 @@ WARM_UP_STEPS = 16.0
 _WARM: set[str] = set()  # the engines this process has run
 
 T = TypeVar("T")
-# The fixed work: interpreted arithmetic, then array arithmetic in the first-level cache; a millisecond or two in all.
-_TURNS, _PASSES, _SIZE = 16000, 120, 2000
-WORK = f"{_TURNS} interpreted additions and {_PASSES} passes over {_SIZE} floats"
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -77,15 +72,13 @@ def measure(
     with blamed_on(adapter):
         if isinstance(usage, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
-        first_use = _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
-        steady = calibrate()
+        _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
         run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
         run = checked(run, scene, blank.engine)
         inside = None
         if run.outcome is Outcome.FINISHED and isinstance(usage, Setting):
             inside = engine_seconds(adapter, lambda: started(adapter, scene, usage, None))
-    times = {CALIBRATION: steady, FIRST_USE: first_use}
-    measured = replace(_with_run(blank, run, wall), engine_seconds=inside, details=times)
+    measured = replace(_with_run(blank, run, wall), engine_seconds=inside)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
@@ -153,39 +146,22 @@ def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
-def _warm_up(adapter: Engine, scene: Scene, step: float) -> float:
-    """Run an engine that this process has not run before, twice: what the first run took more, s, as it imports.
+def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
+    """Run an engine that this process has not run before, so that it has imported all that it needs.
 
     Its exceptions are ignored: the measured run need not raise them.
     """
     if adapter.name in _WARM:
-        return 0.0
+        return
     _WARM.add(adapter.name)
-
-    def run() -> Run:
-        if isinstance(adapter, StudiedEngine):
-            return adapter.run_method(scene, adapter.methods(scene)[0], step)
-        return adapter.run(scene, Setting.TUNED)
-
     with suppress(Exception):
-        (_, first), (_, second) = timed(run), timed(run)
-        return max(0.0, first - second)
-    return 0.0
+        if isinstance(adapter, StudiedEngine):
+            adapter.run_method(scene, adapter.methods(scene)[0], step)
+        else:
+            adapter.run(scene, Setting.TUNED)
 
 
-# Time measured properly: without the garbage collector, beside the machine's noise by a fixed piece of work.
-
-
-def calibrate() -> float:
-    """Do the fixed work once and say how long it took, s."""
-    values = np.linspace(0.0, 1.0, _SIZE)
-    begun = time.perf_counter()
-    total = 0.0
-    for turn in range(_TURNS):
-        total += 0.5 * turn
-    for _ in range(_PASSES):
-        values = np.sqrt(values * values + 1e-12)
-    return time.perf_counter() - begun
+# Time measured properly: without the garbage collector.
 
 
 @contextmanager

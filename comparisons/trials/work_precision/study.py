@@ -26,8 +26,8 @@ from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.study import Announce, Study, Task
 from comparisons.trials.runs.workers import ONE_BY_ONE, Pool
 from comparisons.trials.work_precision.fronts import judged, still_improves
-from comparisons.trials.work_precision.measure import WORK, longest_step, measure
-from comparisons.trials.work_precision.table import CALIBRATION, FIRST_USE, METHOD, SETTING, Bench, BenchRun
+from comparisons.trials.work_precision.measure import longest_step, measure
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun
 from engines.contract import Method, Outcome, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -212,11 +212,6 @@ class Rounds:
         before = self.repeats(point, number)
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
-    @property
-    def calibrations(self) -> tuple[float, ...]:
-        """Time of the fixed work beside every run, s."""
-        return tuple(float(run.details[CALIBRATION]) for run in self.study.results() if run.details)
-
     def runs(self, sweep: PointSweep) -> Iterator[BenchRun]:
         """A run per point of a sweep; a sweep there was no time for has its first point to say so."""
         if not sweep.measurements:
@@ -233,7 +228,6 @@ class Rounds:
                 readout_seconds=min((run.readout_seconds for run in repeats), default=0.0),
                 repeats=tuple(run.seconds for run in repeats),
                 ended=sweep.ended,
-                details={},
             )
 
     def _point_task(self, number: int, point: Point) -> Task:
@@ -279,10 +273,10 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
-    return judged(Bench(_document(request, sweeps, rounds), _runs(request, sweeps, rounds)))
+    return judged(Bench(_document(request), _runs(request, sweeps, rounds)))
 
 
-def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> dict[str, Any]:
+def _document(request: BenchRequest) -> dict[str, Any]:
     """All but the points, ready for JSON."""
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in request.cases}
     return {
@@ -290,25 +284,12 @@ def _document(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Round
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in request.cases)),
         "environment": environment(request.engines),
         "extent": {name: value for name, value in asdict(request.extent).items() if value != math.inf},
-        "noise": {"work": WORK, "samples": [round(calibration, 9) for calibration in rounds.calibrations]},
-        "first_use": [{"engine": name, "seconds": _first_uses(sweeps, name)} for name in request.engines],
         "mechanisms": [
             {"name": linkage.name, "title": linkage.title, "variant": linkage.variant} for linkage in linkages.values()
         ],
         "methods": _method_descriptions(request),
         "quantities": list(request.quantities),
     }
-
-
-def _first_uses(sweeps: Sequence[PointSweep], engine: str) -> tuple[float, ...]:
-    """The additional times of an engine's first runs, s: one for every process that measured it."""
-    mine = (
-        measurement.details
-        for sweep in sweeps
-        if sweep.points[0].run.engine == engine
-        for measurement in sweep.measurements
-    )
-    return tuple(float(table[FIRST_USE]) for table in mine if table.get(FIRST_USE))
 
 
 def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:

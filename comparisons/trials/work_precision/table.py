@@ -9,8 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from pydantic import NonNegativeFloat, TypeAdapter
+from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.trials.judging.records import Run, Verdict
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
 KIND: Final = "bench"
 SETTING, METHOD = "setting", "method"
-CALIBRATION: Final = "calibration"
-FIRST_USE: Final = "first_use"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,9 +37,7 @@ class BenchRun(Run):
     Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
     where it did not finish; 0 ``runs`` gave no motion. So is ``engine_seconds``, the part of a setting's stepping
     inside the engine's own calls, clocked in runs of their own; None where the adapter does not name these. A quantity
-    that the engine does not tell has no error, and says why. Of a single measurement ``details`` are ``CALIBRATION``,
-    what the fixed work took just before, s, and ``FIRST_USE``, what the first run of the engine in its process took
-    more than the second, s, 0 of any later run.
+    that the engine does not tell has no error, and says why.
     """
 
     is_control: bool
@@ -110,35 +105,6 @@ class BenchRun(Run):
             }
 
 
-@dataclass(frozen=True)
-class Noise:
-    """Times of the same work, s, spread over a whole measurement; the figures are 0 without a sample."""
-
-    samples: tuple[float, ...]
-
-    @property
-    def least(self) -> float:
-        """The shortest, s: the machine left alone."""
-        return min(self.samples, default=0.0)
-
-    @property
-    def median_excess(self) -> float:
-        """Median over shortest time, less 1."""
-        return statistics.median(self.samples) / self.least - 1.0 if self.samples else 0.0
-
-    @property
-    def spread(self) -> float:
-        """Ninth decile over shortest time, less 1."""
-        return float(np.quantile(self.samples, 0.9)) / self.least - 1.0 if self.samples else 0.0
-
-
-class SavedNoise(TypedDict):
-    """Times of the same fixed work, s."""
-
-    work: str
-    samples: list[NonNegativeFloat]
-
-
 class SavedBench(TypedDict):
     """The document of a benchmark, all but its records."""
 
@@ -146,8 +112,6 @@ class SavedBench(TypedDict):
     conditions: str
     environment: Mapping[str, str]
     extent: Mapping[str, Any]
-    noise: SavedNoise
-    first_use: list[Mapping[str, Any]]  # by engine, s its first scene took more than its second
     mechanisms: list[Mapping[str, str]]
     methods: list[Mapping[str, Any]]  # as the engines describe them
     quantities: list[str]
@@ -177,9 +141,10 @@ class Bench:
         return DataFrame(rows, dtype=object).astype(dict.fromkeys(("finished", "is_control", "is_extrapolated"), bool))
 
     @cached_property
-    def noise(self) -> Noise:
-        """Times of the fixed work that were measured beside the points."""
-        return Noise(tuple(self.document["noise"]["samples"]))
+    def noise(self) -> float:
+        """By which share the median of a point's repeats is longer than the shortest, in the median of all points."""
+        excess = [point.seconds_median / min(point.repeats) - 1.0 for point in self.points if len(point.repeats) > 1]
+        return statistics.median(excess) if excess else 0.0
 
 
 def save(folder: Path, bench: Bench) -> None:

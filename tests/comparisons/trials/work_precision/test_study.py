@@ -160,7 +160,7 @@ def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_pa
     before = Counter(known.runs)
     found = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     finished = {
-        run: count for run, count in (Counter(known.runs) - Counter(known.runs[:2])).items() if run[0] != "broken"
+        run: count for run, count in (Counter(known.runs) - Counter(known.runs[:1])).items() if run[0] != "broken"
     }
     assert sum(before.values()) >= 20
     assert set(finished.values()) == {EXTENT.repeats}
@@ -168,7 +168,6 @@ def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_pa
     again = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     assert known.runs == []
     assert again.points == found.points
-    assert sorted(again.noise.samples) == sorted(found.noise.samples)
 
 
 def test_no_run_is_begun_after_the_deadline(known):
