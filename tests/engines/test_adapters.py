@@ -1,10 +1,16 @@
-"""Every engine against the closed form, in tables: linkages, releases, methods, orders of convergence, ends of runs."""
+"""Every engine against the closed form, in tables: linkages, releases, methods, orders of convergence, ends of runs.
+
+Drake, Pinocchio and MuJoCo's variants are not of ``all``: ``make nightly-engines`` runs them.
+"""
 
 import dataclasses
+import gc
 import math
 import os
+import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +20,12 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from analytic.errors import LinkproofError
 from comparisons.motion.case import Truth, scene
+from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Outcome, Setting
+from engines.registry import engine, own_names
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.stepping.richardson import named_signals
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text
 from tests.engines.closed_form import (
     EVERYTHING,
@@ -37,32 +45,38 @@ from tests.engines.closed_form import (
 # Of the peak, what one tuned run leaves: of torque, forces and accelerations; of places and velocities.
 LIMITS = {
     "dart": (5e-5, 5e-6),
+    "drake": (5e-4, 5e-4),  # rounding in slots at 6000 steps a turn; the rest is below 1e-4
     "exudyn": (1e-4, 5e-6),
     "mujoco": (1e-6, 1e-7),
     "ondsel": (1e-11, 1e-11),
+    "pinocchio": (2e-6, 2e-6),  # all but carried-slider, near a toggle, is below 1e-7
     "pybullet": (1e-4, 2e-5),
     "pymunk": (5e-5, 5e-6),
     "simbody": (1e-9, 1e-9),
 }
 ENGINES = tuple(LIMITS)
-LOADS = tuple(name for name in ENGINES if name not in ("dart", "ondsel", "pybullet"))
+LOADS = tuple(name for name in ENGINES if name not in ("dart", "drake", "ondsel", "pybullet"))
+HOSTS = tuple(name for name in ENGINES if name != "drake")  # bodies may slide on others
 KINDS = {
     "rimoldi-164": ENGINES,  # pins, and a guide on the ground
     "slotted-takeup": ENGINES,  # a mass on a pin in a slot that turns, and a damper on the crank
-    "carried-slider": ("dart", "ondsel", "pybullet"),  # a body that slides and turns with its host
-    "moving-guides": ENGINES,  # guides on hosts that slide, turn and rest
+    "carried-slider": ("dart", "ondsel", "pinocchio", "pybullet"),  # a body that slides and turns with its host
+    "moving-guides": HOSTS,  # guides on hosts that slide, turn and rest
     "ground-pin-in-slot": ENGINES,
-    "scotch-yoke": ("dart", "exudyn", "pybullet", "pymunk"),  # a slot in a body that does not turn
-    "three-on-one-pin": ("dart", "exudyn", "pybullet", "simbody"),
+    "scotch-yoke": ("dart", "exudyn", "pinocchio", "pybullet", "pymunk"),  # a slot in a body that does not turn
+    "three-on-one-pin": ("dart", "drake", "exudyn", "pinocchio", "pybullet", "simbody"),
     "force-over-angle": LOADS,
-    "spring-and-damper": LOADS,
+    "spring-and-damper": tuple(name for name in LOADS if name != "pinocchio"),
 }
+RUN_UP = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
+QUINTIC = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.01, start_angle=0.3)
+STEADY = crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0, start_angle=0.3)
 LINEAR_ORDERS = ("position", "velocity", "angular position", "angular velocity")
 
 
 @pytest.mark.parametrize(("linkage", "name"), [(linkage, name) for linkage in KINDS for name in KINDS[linkage]])
 def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(linkage, name):
-    motion = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
+    motion = QUINTIC if name == "drake" else RUN_UP
     errors = errors_of(run_of(installed(name), mechanism(linkage), motion, Setting.TUNED), mechanism(linkage), motion)
     limits = {key: LIMITS[name][key in LINEAR_ORDERS] for key in errors}
     assert {key: error for key, error in errors.items() if not error < limits[key]} == {}
@@ -81,15 +95,18 @@ def test_best_is_better_than_tuned_in_a_run_up_turned_backwards(name):
     ("name", "channel", "least", "most"),
     [
         ("dart", "torque", 0.1, math.inf),  # a hundredth of a gap is closed in a step
+        ("drake", "torque", 0.1, math.inf),  # ports as shipped, and a drive a step late
         ("exudyn", "torque", 1e-4, 1e-2),
         ("pymunk", "acceleration", 1e-2, math.inf),
+        ("pinocchio", "torque", 1e-2, math.inf),
         ("mujoco", "torque", 0.1, math.inf),  # its own stiffness gives way by more than a tenth
         ("pybullet", "torque", 0.1, math.inf),  # a step closes a fifth of what has opened, and of the drive's lag
     ],
 )
 def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
     linkage = mechanism("juki-mf7923d")
-    motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.03, start_angle=0.3)
+    long = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.03, start_angle=0.3)
+    motion = {"drake": QUINTIC, "pinocchio": RUN_UP}.get(name, long)
     history = run_of(installed(name), linkage, motion, Setting.NAIVE)
     if channel == "torque":
         assert least < torque_error(history, linkage, motion) < most
@@ -98,18 +115,16 @@ def test_a_naive_run_is_as_rough_as_a_newcomers(name, channel, least, most):
         assert least < error_of(signal.values, true_motion(linkage, motion, signal.time)[2]) < most
 
 
-@pytest.mark.parametrize("name", ["dart", "mujoco", "ondsel", "pybullet", "simbody"])
+@pytest.mark.parametrize("name", ["dart", "drake", "mujoco", "ondsel", "pinocchio", "pybullet", "simbody"])
 def test_a_joint_force_acts_on_the_body_that_the_scene_names_first(name):
     linkage, motion = mechanism("rimoldi-164"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
     pins = driven(linkage, motion).pins
     swapped = tuple(PinJoint(p.name, p.second, p.first, p.second_anchor, p.first_anchor) for p in pins)
-    given, other = (
-        run_of(installed(name), linkage, motion, Setting.TUNED, pins=each, channels=EVERYTHING)
-        for each in (pins, swapped)
-    )
+    given, other = (run_of(installed(name), linkage, motion, Setting.TUNED, pins=each) for each in (pins, swapped))
+    same = 1e-5 if name == "drake" else 1e-6
     for pin in pins:
-        assert error_of(other.joint_force[pin.name].values, -given.joint_force[pin.name].values) < 1e-6
-    assert error_of(other.torque.values, given.torque.values) < 1e-6
+        assert error_of(other.joint_force[pin.name].values, -given.joint_force[pin.name].values) < same
+    assert error_of(other.torque.values, given.torque.values) < same
 
 
 @pytest.mark.parametrize("name", ["mujoco", "simbody"])
@@ -117,6 +132,38 @@ def test_a_crank_that_turns_at_the_start_moves_every_link_as_the_scene_says(name
     model = driven(mechanism("moving-guides"), crank_motion("constant-speed", ramp_time=0.001))
     velocity = np.array([(*body.velocity, body.angular_velocity) for body in model.bodies])
     assert error_of(history_of(installed(name), model).velocity.values[0], velocity) < 1e-10
+
+
+# Numbers that are removed from a link of the double crank, and the cases that each engine supports.
+TAKEN = {"coupler": ("mass", "inertia"), "crank": ("mass", "inertia"), "follower's inertia": ("inertia",)}
+HELD = {
+    **dict.fromkeys(("dart", "drake", "mujoco", "pinocchio", "pybullet", "pymunk"), ()),
+    **dict.fromkeys(("direct", "exudyn", "ondsel"), TAKEN),
+    "simbody": ("crank", "follower's inertia"),  # a mass off its pin has a moment about it
+}
+
+
+def lightened(case):
+    """The four-bar without the masses or inertias of one link."""
+    link, keys = case.partition("'")[0], "|".join(TAKEN[case])
+    head, mark, tail = text_of("double-crank").partition(f"[links.{link}]")
+    own, bracket, rest = tail.partition("\n[")
+    to = "inertia = 0" if TAKEN[case] == ("inertia",) else ""
+    return from_text(head + mark + re.sub(rf"(?m)^({keys}) .*$", to, own) + bracket + rest)
+
+
+@pytest.mark.parametrize("case", TAKEN)
+@pytest.mark.parametrize("name", HELD)
+def test_an_engine_is_right_without_a_mass_or_says_which_it_cannot_hold(name, case):
+    adapter, linkage = installed(name), lightened(case)
+    motion = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.02)
+    if case in HELD[name]:
+        history = run_of(adapter, linkage, motion, Setting.TUNED)
+        assert max(errors_of(history, linkage, motion).values()) < 3e-5  # the coarsest engine's error with all masses
+    else:
+        run = adapter.run(driven(linkage, motion), Setting.TUNED)
+        assert run.outcome is Outcome.UNSUPPORTED
+        assert f"'{case.partition(chr(39))[0]}'" in run.reason
 
 
 # -- a crank that is let go --------------------------------------------------------------------------------------------
@@ -194,6 +241,26 @@ def test_the_error_falls_by_the_order_of_the_method(name, method, order, steps, 
     runs = [adapter.run_method(model, dataclasses.replace(chosen, effort=effort), step) for step in steps]
     errors = [torque_error(run.history, linkage, motion, after=0.02) for run in runs]  # what the start leaves is gone
     assert order - 0.3 < math.log(errors[0] / errors[1]) / math.log(steps[0] / steps[1]) < order + 1.3
+
+
+@pytest.mark.parametrize(
+    ("name", "linkage", "motion", "ratios", "factor"),
+    [
+        *(("dart", linkage, QUINTIC, (10, 20), 4.0) for linkage in ("fork-takeup", "slotted-takeup", "carried-slider")),
+        ("drake", "fork-takeup", QUINTIC, (4, 8), 4.0),
+        ("pinocchio", "fork-takeup", RUN_UP, (2, 4), 16.0),
+        ("pybullet", "fork-takeup", STEADY, (3, 9), 9.0),
+    ],
+)
+def test_every_read_out_belongs_to_its_instant(name, linkage, motion, ratios, factor):
+    """The error falls by a power of the step; a torque, force or speed of half a step away would fall as the step."""
+    adapter, linkage, errors = installed(name), mechanism(linkage), []
+    recipe = adapter.settings[Prescribed][Setting.TUNED]
+    for ratio in ratios:
+        adapter.settings = {Prescribed: {Setting.TUNED: dataclasses.replace(recipe, ratios=(ratio,))}}
+        errors.append(errors_of(run_of(adapter, linkage, motion, Setting.TUNED), linkage, motion))
+    falls = {key: errors[0][key] / errors[1][key] for key in errors[0]}
+    assert falls == {key: pytest.approx(factor, rel=0.2 if name == "drake" else 0.1) for key in falls}
 
 
 def test_mujocos_forces_are_read_at_the_state_and_not_a_step_away_from_it():
@@ -304,6 +371,20 @@ def test_a_scene_that_an_engine_cannot_hold_is_unsupported_in_one_sentence(name,
     assert words in run.reason
 
 
+@pytest.mark.parametrize(
+    ("name", "linkage", "words"),
+    [
+        ("drake", "carried-slider", "no slider or turn damper but on the ground"),
+        ("drake", "moving-guides", "no slider or turn damper but on the ground"),
+        ("drake", "spring-and-damper", "no point spring"),
+        ("drake", "force-over-angle", "no applied torque"),
+        ("pinocchio", "spring-and-damper", "no point spring"),
+    ],
+)
+def test_what_an_engine_does_not_take_is_said_where_it_is_not_installed_too(name, linkage, words):
+    assert words in (engine(name).obstacle(driven(mechanism(linkage), QUINTIC)) or "")
+
+
 @pytest.mark.parametrize("name", ["direct", "exudyn", "pymunk"])
 def test_unknown_methods_and_empty_steps_are_misuse(name):
     adapter, model = installed(name), driven(mechanism("juki-mf7923d"), BRIEF)
@@ -335,3 +416,33 @@ def test_no_engine_prints_or_leaves_a_file(tmp_path):
     command = [sys.executable, "-c", QUIET]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr, list(tmp_path.iterdir())) == ("{'finished'}\ndiverged\n", "", [])
+
+
+FIRST, MORE = 40, 100
+ALLOWED = 20_000  # bytes a run; what the interpreter and the allocator keep comes to less
+
+
+def left_by(name):
+    """Bytes that a run leaves resident, on average over MORE runs after the FIRST: the least of four such averages.
+
+    What runs leave adds up in each; the allocator takes a new stretch of memory now and then, in some of them.
+    """
+    motion = crank_motion("run-up-quintic", ramp_time=0.002, hold_time=0.001)
+    adapter, model = engine(name), driven(mechanism("juki-mf7923d"), motion)
+    method = adapter.methods(model)[:2][-1]
+    sizes = []
+    for count in (FIRST, MORE, MORE, MORE, MORE):
+        for _ in range(count):
+            assert adapter.run_method(model, method, 2.5e-4).history is not None
+        gc.collect()
+        sizes.append(int(Path("/proc/self/statm").read_text().split()[1]) * 4096)
+    return min(after - before for before, after in pairwise(sizes)) / MORE
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("name", own_names())
+def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
+    installed(name)
+    ((_, left),) = LocalPool(1).run(left_by, [(name,)])
+    assert left < ALLOWED

@@ -58,7 +58,6 @@ def test_nothing_of_a_run_outlives_it(monkeypatch):
     assert all(world.container.NumberOfSystems() == 0 for world in worlds)
 
 
-pytest.importorskip("exudyn")
 loop = pytest.importorskip("engines.exudyn_adapter.loop")
 
 EXACT = (1e-13, 1e-11, 1e-8)  # of the largest coordinate, velocity and acceleration

@@ -103,8 +103,6 @@ def test_a_linkage_with_a_change_point_is_run_away_from_it():
     assert max(errors[name] for name in ("torque", "position", "velocity", "acceleration")) < TUNED
 
 
-pytest.importorskip("pymunk")
-
 FORESEEN = 0.05  # relative error of the foreseen convergence
 
 
