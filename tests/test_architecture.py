@@ -9,7 +9,7 @@ from graphlib import TopologicalSorter
 import grimp
 import pytest
 
-from analytic.description.loading import catalogue, literature
+from analytic.description.loading import known_names
 from engines.contract import Engine
 from engines.registry import engine, own_names
 from tests.sources import PACKAGES, ROOT, SOURCES, docstrings, nodes
@@ -21,7 +21,7 @@ def _strings(every):
 
 
 def test_no_code_names_a_mechanism():
-    mechanisms = {*catalogue(), *literature()}
+    mechanisms = {*known_names()}
     assert not [path for path in SOURCES if (_strings(nodes()[path]) - {*docstrings(path)}) & mechanisms]
 
 

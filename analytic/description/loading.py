@@ -30,7 +30,8 @@ from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, 
 from analytic.files import file_fault, read_file
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
-LITERATURE = CATALOGUE / "literature"
+GALLERY, LITERATURE = CATALOGUE / "gallery", CATALOGUE / "literature"
+SHELVES: Final = (CATALOGUE, GALLERY, LITERATURE)
 
 BYTE_ORDER_MARK: Final = "\ufeff"
 MOST_DIGITS: Final = re.compile(rf"(?:\d_?){{{sys.get_int_max_str_digits() + 1}}}")
@@ -63,9 +64,19 @@ def catalogue() -> tuple[str, ...]:
     return _names_on_shelf(CATALOGUE)
 
 
+def gallery() -> tuple[str, ...]:
+    """Names of the classic linkages that come with the suite as a start for one's own, sorted: taken where named."""
+    return _names_on_shelf(GALLERY)
+
+
 def literature() -> tuple[str, ...]:
     """Names of the linkages of others that come with the suite, sorted: taken where they are named."""
     return _names_on_shelf(LITERATURE)
+
+
+def known_names() -> tuple[str, ...]:
+    """Names of all linkages that come with the suite."""
+    return (*catalogue(), *gallery(), *literature())
 
 
 def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
@@ -75,10 +86,10 @@ def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
 def find(name: str) -> Path:
     """Path of a mechanism: a name known here, or the path of a user's own ``.toml`` file."""
     path = Path(name)
-    ours = (*catalogue(), *literature())
+    ours = known_names()
     if not path.suffix and path.parent == Path():
         if name in ours:
-            return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
+            return next(shelf / f"{name}.toml" for shelf in SHELVES if (shelf / f"{name}.toml").exists())
         if file_fault(Path(f"{name}.toml")) is None:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
@@ -107,7 +118,7 @@ def read(name: str | Path) -> LinkageFile:
         raise DescriptionError(
             f"{path}:{line}: expected a text file in UTF-8, got other bytes; save it as UTF-8"
         ) from error
-    is_known = path.parent in (CATALOGUE, LITERATURE)
+    is_known = path.parent in SHELVES
     return LinkageFile(printable(path.stem), path.name if is_known else str(path), text, is_known)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
-from analytic.description.loading import LinkageFile, catalogue, literature, load, read
+from analytic.description.loading import LinkageFile, catalogue, known_names, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
 from comparisons.trials.campaign.campaign import CampaignRequest, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
@@ -228,7 +228,7 @@ def _neighbours(named: list[LinkageFile]) -> Iterator[LinkageFile]:
 
 
 def _mechanism_names(known: Iterable[LinkageFile]) -> list[str]:
-    return [*(file.name for file in known), *catalogue(), *literature()]
+    return [*(file.name for file in known), *known_names()]
 
 
 def _regime_names(known: Iterable[LinkageFile]) -> list[str]:

@@ -64,15 +64,26 @@ def mechanisms(
     return linkages.listed_figures(found.mechanism, found.conditions, found.case)
 
 
-def new(name: Annotated[str, Argument("NAME", is_required=True)]) -> "New":
+@checked
+def new(
+    name: Annotated[str, Argument("NAME", is_required=True)],
+    *,
+    like: Annotated[
+        LinkageLike | None,
+        Option("Copy this linkage, a name in 'linkproof list' or a file.", "MECHANISM", names="mechanisms"),
+    ] = None,
+) -> "New":
     """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
+
+    With --like the file is a copy of that linkage, comments included, under the new name.
 
     Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML); one
     that is there already is renewed.
     """
+    from reports.api.linkages import linkage_file
     from reports.designs import linkages
 
-    return linkages.new(name)
+    return linkages.new(name, None if like is None else linkage_file(like))
 
 
 @checked

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from analytic.description.json_schema import TITLE, json_schema
 from analytic.description.linkage import Linkage
+from analytic.description.loading import BYTE_ORDER_MARK, LinkageFile
 from analytic.description.written import finite, in_unit
 from analytic.designs.figures import figure_names
 from analytic.errors import LinkproofError, is_safe
@@ -40,10 +41,11 @@ if TYPE_CHECKING:
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
+SCHEMA_LINE: Final = "#:schema"
 
 
-def new(name: str) -> New:
-    """Write a linkage file to fill in, and the schema with which an editor completes and checks it."""
+def new(name: str, like: LinkageFile | None = None) -> New:
+    """Write a linkage file to fill in, or a copy of ``like``; and the schema with which an editor checks it."""
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
         raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
@@ -52,12 +54,24 @@ def new(name: str) -> New:
     check_writable(path)
     schema = path.with_name(SCHEMA_FILE)
     title = json.dumps(path.stem, ensure_ascii=False)[1:-1]
-    write_file(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
+    text = _copy(like, path.stem) if like else TEMPLATE.read_text(encoding="utf-8").replace("{title}", title)
+    write_file(path, text)
     beside = ""
     if _is_ours(schema):
         beside = f" and {'renewed ' if schema.exists() else ''}{schema}, by which editors complete and check it"
         write_file(schema, json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n")
     return New(path, beside)
+
+
+def _copy(like: LinkageFile, title: str) -> str:
+    """The text of a linkage's file, comments included, under a title of its own and with the schema's line."""
+    import tomlkit  # noqa: PLC0415 - no other command of this file needs it
+
+    like.linkage()  # a file with a fault is no start for another
+    document = tomlkit.parse(like.text.removeprefix(BYTE_ORDER_MARK))
+    document["title"] = title
+    text = document.as_string()
+    return text if text.startswith(SCHEMA_LINE) else f"{SCHEMA_LINE} ./{SCHEMA_FILE}\n{text}"
 
 
 @dataclass(frozen=True, repr=False)

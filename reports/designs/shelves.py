@@ -16,6 +16,7 @@ CATALOGUE: Final = Path(__file__).parents[2] / "analytic" / "catalogue"
 # Of a shelf its folder and its heading.
 SHELVES: Final = {
     "catalogue": (CATALOGUE, "The catalogue, taken where nothing is named"),
+    "gallery": (CATALOGUE / "gallery", "The gallery, from which linkproof new mine --like NAME starts"),
     "literature": (CATALOGUE / "literature", "Linkages of the literature, taken where they are named"),
 }
 

@@ -16,6 +16,8 @@ from analytic.description.loading import (
     MARK,
     catalogue,
     find,
+    gallery,
+    known_names,
     literature,
     load,
     parse,
@@ -82,7 +84,7 @@ def test_a_variant_overrides_some_keys_and_the_first_one_is_the_file_itself():
 
 def test_catalogue_literature_and_paths():
     assert load(str(FOLDER / "scotch-yoke.toml")).name == "scotch-yoke"
-    assert not set(literature()) & set(catalogue())
+    assert len({*catalogue(), *gallery(), *literature()}) == len(known_names())
     assert read("andrews-squeezer").origin == "andrews-squeezer.toml"
     with pytest.raises(UnknownNameError):
         find("andrews")

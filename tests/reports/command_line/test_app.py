@@ -101,7 +101,7 @@ SWING = "variant speed from to clockwise no-gravity"
 # Commands and their options, --help apart; hidden ones count.
 OFFERED = {
     "list": "json",
-    "new": "",
+    "new": "like",
     "check": "variant save json strict",
     "results": f"{MOTION} at time decimal figure out open save json strict quiet",
     "watch": f"{MOTION} no-open",

@@ -10,7 +10,7 @@ import pytest
 from jsonschema import Draft4Validator
 
 from analytic.description.json_schema import json_schema
-from analytic.description.loading import load
+from analytic.description.loading import load, read
 from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
 from reports.command_line.destination import Destination
@@ -79,6 +79,17 @@ def test_nothing_is_overwritten_but_an_old_schema_of_ours():
     Path("linkproof.schema.json").write_text(json.dumps({"title": mechanisms.TITLE}), encoding="utf-8")
     assert str(mechanisms.new("third")).startswith("wrote third.toml and renewed linkproof.schema.json, ")
     assert json.loads(Path("linkproof.schema.json").read_text(encoding="utf-8")) == json_schema()
+
+
+def test_a_copy_of_a_linkage_has_its_comments_under_the_new_name():
+    assert linkproof("new", "mine", "--like", "toggle-press").returncode == 0
+    text, given = Path("mine.toml").read_text(encoding="utf-8"), read("toggle-press").text
+    assert text == f"#:schema ./linkproof.schema.json\n{given}".replace('"Toggle press"', '"mine"')
+    assert linkproof("new", "second", "--like", "mine.toml").returncode == 0
+    assert Path("second.toml").read_text(encoding="utf-8") == text.replace('"mine"', '"second"')
+    Path("wrong.toml").write_text(SLIP.replace('"deg"', '"dag"'), encoding="utf-8")
+    assert "dag" in refused("new", "third", "--like", "wrong.toml")
+    assert not Path("third.toml").exists()
 
 
 @pytest.mark.parametrize("name", ["a\x1bb", "none/there/x", ".toml"])
