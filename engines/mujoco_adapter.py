@@ -13,12 +13,16 @@ Set once a step instead, the fourth order of RK4 is lost.
 
 **Slots.** A block without a weight to speak of slides in the host and is tied to the pin. **Springs**, like forces, are
 set by the callback: before version 4.0 ``cfrc_int`` leaves out what MuJoCo's own springs, its tendons, exert.
+
+**Friction** that follows the force of its joint MuJoCo has not. Where forces are read, the callback applies it to the
+bodies and MuJoCo computes the joints' forces anew until both are settled; over the steps between it keeps its size. The
+motion is the drive's and does not feel it.
 """
 
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -29,7 +33,7 @@ from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import scene_size
 from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, ends, slots_as_blocks, spanning_tree
 from engines.mechanics.states import body_numbers, start_coordinate
-from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
+from engines.scene import GUIDES, LOADS, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
 
 KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Channel.ACCELERATION: "framelinacc"}
@@ -86,6 +90,17 @@ class MujocoModel:
             (numbers[body], 0j, plain_law(law), law.over, law.when, ground, ground) for body, law in torques
         ]
 
+    def friction(self, numbers: Mapping[str, int]) -> Iterator[tuple[Any, ...]]:
+        """The joints with friction: name, friction over force, both bodies; anchor and direction of a guide."""
+        joints = {joint.name: joint for joint in (*self.scene.pins, *self.scene.guided)}
+        for rubs in self.scene.friction:
+            joint = joints[rubs.name]
+            if isinstance(joint, PinJoint):
+                yield rubs.name, rubs.coefficient * rubs.radius, numbers[joint.first], numbers[joint.second], 0j, None
+            else:
+                places = complex(*joint.anchor), complex(*joint.along)
+                yield rubs.name, rubs.coefficient, numbers[joint.body], numbers[joint.host], *places
+
     def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
         """The model in plain data: its XML, and what XML does not have."""
         scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
@@ -110,6 +125,7 @@ class MujocoModel:
                 numbers[scene.travel.body], complex(*scene.travel.anchor), complex(*scene.travel.along),
                 scene.travel.zero,
             ),
+            "friction": [*self.friction(numbers)],
             "springs": [
                 (
                     numbers[spring.first], complex(*spring.first_anchor), numbers[spring.second],
@@ -203,6 +219,7 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         joints=GUIDES,
         loads=LOADS,
         load_states=True,
+        friction=True,
         massless=False,
         drivers=frozenset(DriverKind),
     )

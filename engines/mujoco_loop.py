@@ -1,5 +1,6 @@
 """One pass in MuJoCo: the drive and the loads by the control callback, read-outs at samples between steps."""
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -15,6 +16,7 @@ Planar = list[complex]  # a vector in the plane for every body, the ground last
 
 PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = {"position": "qpos", "velocity": "qvel", "acceleration": "qacc"}
+MOST_ROUNDS, SETTLED = 400, 1e-8  # of friction; its change over the largest; the softness leaves some 1e-10
 READ = (*KINEMATICS.values(), "sensordata", "cfrc_int", "efc_force")
 
 
@@ -48,6 +50,7 @@ class MujocoWorld:
         mujoco.mj_forward(model, data)
         hinges = [model.joint(number).name for number in range(model.nv)]
         self.sums = np.array([[name in own for name in hinges] for _, own in given["bodies"].values()], dtype=float)
+        self.rubbing = [0.0] * len(given["friction"])
         self.angles = np.array([angle for angle, _ in given["bodies"].values()])
         self.sources = {
             joint: (np.flatnonzero(data.efc_id == model.equality(name).id)[:2], None, 1.0, None)
@@ -71,10 +74,42 @@ class MujocoWorld:
             result[name] = time, np.concatenate([frames[:, :, order], turns[..., None]], axis=-1)
         result["torque"] = time, found["efc_force"][:, 0]  # or the force of a linear drive
         result["joint_force"] = {}
-        for joint, (rows_of, body, sign, normal) in self.sources.items():
-            force = sign * (found["cfrc_int"][:, body, 3:5] if rows_of is None else found["efc_force"][:, rows_of])
-            result["joint_force"][joint] = time, np.outer(force @ normal, normal) if normal else force
+        for joint in self.sources:
+            result["joint_force"][joint] = time, self.joint_force(joint, found["cfrc_int"], found["efc_force"])
+        if self.given["friction"]:  # at rest there is no direction that it acts against
+            moves = found["qvel"][:, self.crank] != 0.0
+            result["torque"] = time[moves], result["torque"][1][moves]
+            result["joint_force"] = {k: (time[moves], f[moves]) for k, (_, f) in result["joint_force"].items()}
         return {name: result[name] for name in channels}
+
+    def joint_force(self, joint: str, cfrc_int: Array, efc_force: Array) -> Array:
+        """Force on a joint's first body, N, (..., 2), from what was read."""
+        rows, body, sign, normal = self.sources[joint]
+        force = sign * (cfrc_int[..., body, 3:5] if rows is None else efc_force[..., rows])
+        return np.multiply.outer(force @ normal, normal) if normal else force
+
+    def settle_forces(self) -> None:
+        """Compute the forces of the present state, those of friction by the forces of their joints.
+
+        Raises ArithmeticError where they grow without end.
+        """
+        model, data = self.model, self.data
+        for _ in range(MOST_ROUNDS):
+            mujoco.mj_forward(model, data)
+            before = self.rubbing
+            self.rub()
+            if all(abs(a - b) <= SETTLED * max(self.rubbing) for a, b in zip(self.rubbing, before, strict=True)):
+                return
+        raise ArithmeticError("the friction of the joints grows without end, as in a linkage that locks itself")
+
+    def rub(self) -> None:
+        """Set the friction of every joint, N or N m, by its present force."""
+        data = self.data
+        mujoco.mj_rnePostConstraint(self.model, data)
+        self.rubbing = [
+            size * float(np.hypot(*self.joint_force(joint, data.cfrc_int, data.efc_force)))
+            for joint, size, *_ in self.given["friction"]
+        ]
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
         """The callback of every stage: the drive's reference acceleration and the loads; None if it has nothing to set.
@@ -83,7 +118,8 @@ class MujocoWorld:
         """
         data, crank, given, numbers = self.data, self.crank, self.given, self.numbers
         position, velocity, pushed = data.qpos, data.qvel, np.ix_(numbers, (0, 1, 5))
-        start, times, loaded = given["start"], given["torque_over_time"], given["loads"] or given["springs"]
+        start, times = given["start"], given["torque_over_time"]
+        loaded = given["loads"] or given["springs"] or given["friction"]
         roots = self.model.body_rootid[numbers]
         if segment:
             zero, coefficients = segment
@@ -104,7 +140,7 @@ class MujocoWorld:
                 spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
                 speed = data.cvel[numbers, 3:] @ PLANE + 1j * spin * arm  # MuJoCo's is at the tree's mass centre
                 state = (centre.tolist(), direction.tolist(), speed.tolist(), spin.tolist())
-                data.xfrc_applied[pushed] = load_rows(given, start + position.item(crank), state)
+                data.xfrc_applied[pushed] = load_rows(given, start + position.item(crank), state, self.rubbing)
 
         return control if segment or times or loaded else None
 
@@ -119,18 +155,22 @@ class MujocoWorld:
             if instant > part["start"]:
                 mujoco.mj_step(model, data, nstep=course["ratio"])
             data.time = instant
-            if settle:
-                mujoco.mj_forward(model, data)  # or forces and accelerations are those of the last step's last stage
-            mujoco.mj_rnePostConstraint(model, data)
+            if settle:  # or forces and accelerations are those of the last step's last stage
+                self.settle_forces()
+            else:
+                self.rub()
             if warnings:
                 raise ArithmeticError(f"MuJoCo warns: {warnings[0]}")
             yield self.read(instant)
 
 
-def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]]) -> list[list[float]]:
-    """Force x, y, N, and moment about the mass centre, N m, of loads and springs on every body and the ground.
+def load_rows(
+    given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]], rubbing: list[float]
+) -> list[list[float]]:
+    """Force x, y, N, and moment about the mass centre, N m, of loads, springs and friction on bodies and the ground.
 
     The state is every body's mass centre, direction (of length one), velocity, complex, and angular velocity.
+    ``rubbing`` is the friction of every joint that has it, N or N m.
     """
     centre, direction, velocity, spin = state
     rows = [[0.0, 0.0, 0.0] for _ in centre]
@@ -167,6 +207,18 @@ def load_rows(given: Data, angle: float, state: tuple[Planar, Planar, Planar, li
         tension = stiffness * (length - free_length) + damping * (along.conjugate() * rate).real
         push(first, arm, -tension * along)
         push(second, other, tension * along)
+    for (_, _, body, host, anchor, guide), size in zip(given["friction"], rubbing, strict=True):
+        if guide is None:
+            turn = math.copysign(size, spin[body] - spin[host])
+            rows[body][2] -= turn
+            rows[host][2] += turn
+            continue
+        arm, along = anchor * direction[body], guide * direction[host]
+        other = centre[body] + arm - centre[host]
+        rate = velocity[body] + 1j * spin[body] * arm - velocity[host] - 1j * spin[host] * other
+        rub = math.copysign(size, (along.conjugate() * rate).real) * along
+        push(body, arm, -rub)
+        push(host, other, rub)
     return rows
 
 

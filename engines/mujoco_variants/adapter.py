@@ -78,7 +78,11 @@ class MjxEngine(MujocoEngine):
     chatters = True
     expected_failures = expected((*UNSEEN, *MJX_UNSEEN))
     abilities = replace(
-        MujocoEngine.abilities, drives=frozenset({Prescribed}), timed_torque=False, settings=frozenset(SETTINGS)
+        MujocoEngine.abilities,
+        drives=frozenset({Prescribed}),
+        timed_torque=False,
+        friction=False,
+        settings=frozenset(SETTINGS),
     )
     settings: Mapping[type, Mapping[Setting, MujocoRecipe]] = {
         Prescribed: dict(zip(SETTINGS, (NEWCOMER, EXPERT), strict=True))
