@@ -8,7 +8,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -167,6 +167,32 @@ def holds_acceleration(quantity: str) -> bool:
 def engines(results: Results) -> tuple[str, ...]:
     """Names of all requested engines, sorted: an engine keeps its colour within a report."""
     return tuple(sorted({record.engine for record in results.records}))
+
+
+# Of an engine: its symbol by Plotly's name, the sign of it in words.
+SHAPES: Final = (
+    *(("circle", "●"), ("square", "■"), ("diamond", "◆"), ("triangle-up", "▲"), ("triangle-down", "▼")),
+    *(("cross", "✚"), ("x", "✖")),
+)
+COLOURS: Final = 6  # of the palette
+# How a symbol looks at a setting; ``linkproof.controls.marker`` of the scripts draws it so.
+LOOKS: Final = {Setting.NAIVE.value: "open", Setting.TUNED.value: "filled", Setting.BEST.value: "outlined"}
+
+
+class Look(NamedTuple):
+    """How an engine is drawn on every page: a colour of the style sheet, a symbol of Plotly, its sign in words."""
+
+    ink: str
+    symbol: str
+    sign: str
+
+
+def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look]:
+    """The looks of engines by name; no two of fewer than 43 are alike, and controls are muted."""
+    return {
+        name: Look("muted" if name in controls else f"c{n % COLOURS}", *SHAPES[n % len(SHAPES)])
+        for n, name in enumerate(sorted(names))
+    }
 
 
 def setting_rank(setting: str) -> int:

@@ -40,6 +40,7 @@ from reports.mechanism.engines import errors_section
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
 from reports.records import (
+    LOOKS,
     appeared_note,
     changes_table,
     computed_or_shared,
@@ -48,6 +49,7 @@ from reports.records import (
     every_record,
     family_title,
     limit_table,
+    looks,
     origin_words,
     readout_table,
     share,
@@ -91,14 +93,12 @@ def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
 
 
 FIRST_SHOWN: Final = "Mkr/Peq"  # of the picture
-LEAST, COLOURS = 1e-16, 6  # of an error that is drawn; of the palette
-MARKS: Final = {Setting.NAIVE.value: "circle-open", Setting.TUNED.value: "square", Setting.BEST.value: "star"}
-SIGNS: Final = {Setting.NAIVE.value: "○", Setting.TUNED.value: "■", Setting.BEST.value: "★"}
+LEAST, OUTLINE = 1e-16, 1.5  # of an error that is drawn; px, of a symbol
 LAYOUT: Final[Mapping[str, Any]] = {
-    "height": 400,
-    "showlegend": False,
+    "height": 420,
+    "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
     "hovermode": "closest",
-    "margin": {"l": 70, "r": 70, "t": 8, "b": 48},
+    "margin": {"l": 70, "r": 20, "t": 8, "b": 48},
     "xaxis": {"type": "log", "title": {"text": "time of a run, s"}, "exponentformat": "power", "dtick": 1},
     "yaxis": {"type": "log", "title": {"text": "largest error / peak"}, "exponentformat": "power", "dtick": 2},
 }
@@ -167,30 +167,33 @@ def picture(trust: EngineRanking) -> Widget:
     """Error against time, a dot for every engine and setting, for a family of quantities that is chosen."""
     names = sorted((name for name in trust.families if name not in (RELEASED, CHECKS)), key=FIRST_SHOWN.__ne__)
     figures = [{"name": name, "data": list(_traces(trust, name)), "layout": LAYOUT} for name in names]
-    words = sentence("index_picture", settings=[(name, SIGNS[name]) for name in trust.settings if name in SIGNS])
+    words = sentence("index_picture", settings=[(n, LOOKS[n]) for n in trust.settings if n in LOOKS])
     data = {"what": "Quantity", "figures": figures, "words": words}
     return Widget("figures", "picture", "Largest error against the time of a run", data, instead=())
 
 
 def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
     """The dots of every engine, which have their worst error's curve behind them."""
-    for number, engine in enumerate(sorted(trust.engines)):
+    for engine, look in looks(trust.engines, trust.controls).items():
         cells = {setting: trust.cell(engine, setting, name) for setting in trust.settings}
         known = {setting: cell for setting, cell in cells.items() if cell.error is not None and cell.worst is not None}
         times = {setting: trust.seconds(engine, setting) or 0.0 for setting in known}
         shown = [setting for setting in known if times[setting]]
-        ink = "ink:muted" if engine in trust.controls else f"ink:c{number % COLOURS}"
+        symbols = [look.symbol + "-open" * (LOOKS.get(setting) == "open") for setting in shown]
+        edges = [OUTLINE * (LOOKS.get(setting) == "outlined") for setting in shown]
         yield {
             "type": "scatter",
-            "mode": "lines+markers+text",
+            "mode": "lines+markers",
+            "name": engine,
             "x": [times[setting] for setting in shown],
             "y": [max(known[setting].error or 0.0, LEAST) for setting in shown],
-            "text": [engine if setting == shown[0] else "" for setting in shown],
-            "textposition": "middle right",
-            "cliponaxis": False,
-            "textfont": {"color": ink},
-            "line": {"color": ink, "width": 0.6},
-            "marker": {"color": ink, "size": 10, "symbol": [MARKS.get(setting, "circle") for setting in shown]},
+            "line": {"color": f"ink:{look.ink}", "width": 0.6},
+            "marker": {
+                "color": f"ink:{look.ink}",
+                "size": 11,
+                "symbol": symbols,
+                "line": {"color": "ink:ink", "width": edges},
+            },
             "hovertext": [
                 f"<b>{engine} {setting}</b><br>{numbers.error(known[setting].error)} of the peak at most in "
                 f"{numbers.seconds(times[setting])}"

@@ -13,7 +13,7 @@ import numpy as np
 from comparisons.motion.thinning import extreme_samples
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.quantities import JOINT_FORCE
-from comparisons.trials.judging.records import Error, Verdict
+from comparisons.trials.judging.records import CONTROL, Error, Verdict
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Ink, Mark, Panel, packed
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
@@ -29,6 +29,7 @@ from reports.records import (
     concurrency_note,
     engines,
     family,
+    looks,
     origin_words,
     remedy,
     setting_rank,
@@ -273,7 +274,9 @@ def chart_data(view: View) -> dict[str, Any]:
     settings = sorted({record.setting for record in view.records}, key=setting_rank)
     regimes = [_regime(view, regime, engines, settings) for regime in view.regimes]
     axis = ["travel of the drive, m", 1.0] if view.linkage.is_linear else ["crank angle φ, °", math.degrees(1.0)]
-    return {"engines": engines, "settings": settings, "axis": axis, "regimes": regimes}
+    controls = {run.engine for run in view.results.runs if any(error.origin == CONTROL for error in run.errors)}
+    shown = looks(engines, controls)
+    return {"engines": engines, "looks": shown, "settings": settings, "axis": axis, "regimes": regimes}
 
 
 def curves(view: View) -> dict[str, dict[str, Any]]:

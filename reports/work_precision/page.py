@@ -28,7 +28,6 @@ from comparisons.trials.work_precision.fronts import (
     sweeps,
 )
 from comparisons.trials.work_precision.table import Bench
-from reports.document.chart import Ink
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
     Bullets,
@@ -46,7 +45,7 @@ from reports.document.parts import (
     Widget,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.records import anchor, blank_repeats, environment_facts
+from reports.records import anchor, blank_repeats, environment_facts, looks
 from reports.work_precision.words import (
     comparison_words,
     effort_words,
@@ -67,14 +66,7 @@ if TYPE_CHECKING:
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0
-COLOURS = 6  # of the palette
 WHERE = ["mechanism", "regime"]
-
-
-def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
-    """The colours of engines: by name order, as in all of a report, and the control's, which its label names, muted."""
-    order = sorted(labels)
-    return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
 
 
 def drawn_error(record: Row) -> float:
@@ -186,10 +178,10 @@ OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
     """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
     places = {anchor(*place[PLACE].iloc[0]): place for group in regimes.values() for place in group}
-    colours, (first, *others) = inks(labels), places
+    known, (first, *others) = looks(labels, {name for name in labels if labels[name] != name}), places
     data = {
         "places": [[key, "{}, {}".format(*place[WHERE].iloc[0])] for key, place in places.items()],
-        "engines": [[name, label, colours[name]] for name, label in labels.items()],
+        "engines": [[name, label, *known[name]] for name, label in labels.items()],
         "first": place_data(places[first]),
     }
     return Widget("bench", "diagram", LABEL, data, {key: place_data(places[key]) for key in others})

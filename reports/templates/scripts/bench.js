@@ -13,9 +13,12 @@
 
   linkproof.widget("bench", (element, given) => {
     const { make, choice, toggles, swatch } = linkproof.controls, changed = () => draw();
-    const engines = given.engines.map(([name, label, ink]) => (
-      { name, label, ink: label === name ? `c${ink}` : "muted", isControl: label !== name }));
-    const coloured = (label) => swatch(engines.find((one) => one.label === label).ink);
+    const engines = given.engines.map(([name, label, ink, symbol, sign]) => (
+      { name, label, ink, symbol, sign, isControl: label !== name }));
+    const coloured = (label) => {
+      const { ink, sign } = engines.find((one) => one.label === label);
+      return swatch(ink, sign);
+    };
     const [place, placeLabel] = choice("Mechanism", given.places, () => show());
     const [quantity, quantityLabel] = choice("Quantity", [], changed);
     const [axis, axisLabel] = choice("Over", AXES.map(([name], number) => [number, name]), changed);

@@ -1,8 +1,6 @@
 /* The lines, marks and names of the diagram of error over cost, for its script. */
 "use strict";
 linkproof.bench = (() => {
-  const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon"];
-  const MARKS = { naive: ["circle-open", 10], tuned: ["square", 10], best: ["star", 14] };
   const DASHES = ["solid", "6px,3px"], HEIGHT = 560, LINE = 16;
   const isSetting = (sweep) => sweep.kind === "setting";
   const short = (value) => value.toExponential(1).replace("e+", "e");
@@ -37,18 +35,17 @@ linkproof.bench = (() => {
 
   /* All traces of one engine, and its methods' fronts of single runs and of several: no line joins settings. */
   function drawn(data, quantity, value, engine, colours) {
-    const colour = colours.c[engine.ink.slice(1)] || colours.muted;
+    const { marker, inked } = linkproof.controls, colour = inked(colours, engine.ink);
     const kinds = [[], []], found = [], visible = engine.isOn;
-    data.sweeps.filter((sweep) => sweep.engine === engine.name).forEach((sweep, number) => {
+    data.sweeps.filter((sweep) => sweep.engine === engine.name).forEach((sweep) => {
       const points = sweep.points.filter((one) => one.errors[quantity[0]] && value(one) > 0)
         .map((one) => ({ x: value(one), y: one.errors[quantity[0]][0], text: told(sweep, one, quantity) }));
       const kind = Number(sweep.runs > 1), style = { width: 1, dash: DASHES[kind] };
       if (!isSetting(sweep)) kinds[kind].push(...points);
       if (!points.length) return;
-      const [symbol, size] = isSetting(sweep) ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
-      const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
       found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,
-        hovertext: points.map((one) => one.text), marker: { color: colour, size, symbol, line: edge } }));
+        hovertext: points.map((one) => one.text),
+        marker: marker(colours, engine.ink, engine.symbol, sweep.setting, isSetting(sweep) ? 12 : 6) }));
     });
     kinds.map(front).forEach((points, kind) => found.push(line(points, colour, { width: 3, dash: DASHES[kind] }, { visible })));
     return { engine, colour, found, least: Math.min(...found.flatMap((trace) => trace.y)) };

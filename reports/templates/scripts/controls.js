@@ -27,11 +27,18 @@ linkproof.controls = (() => {
     return [() => [...set.querySelectorAll("input:checked")].map((box) => box.value), set];
   }
 
-  function swatch(colour) {
-    const mark = make("span", "", { className: "swatch" });
-    mark.style.background = `var(--${colour})`;
+  /* A sign in a colour of the page. */
+  function swatch(colour, sign = "●") {
+    const mark = make("span", sign, { className: "swatch", ariaHidden: "true" });
+    mark.style.color = `var(--${colour})`;
     return mark;
   }
 
-  return { make, labelled, choice, toggles, swatch };
+  /* A colour of the page by its name; an engine's symbol at a setting: open, filled, or outlined. */
+  const inked = (colours, name) => (/^c\d$/.test(name) ? colours.c[name[1]] : colours[name]);
+  const marker = (colours, ink, symbol, setting, size) => ({
+    color: inked(colours, ink), size, symbol: setting === "naive" ? `${symbol}-open` : symbol,
+    line: { color: colours.ink, width: setting === "best" ? 1.5 : 0 } });
+
+  return { make, labelled, choice, toggles, swatch, inked, marker };
 })();

@@ -4,7 +4,7 @@
   linkproof.widget("curves", (element, data) => {
     const { errorPlot, curvePlot, SIGNS } = linkproof.runPlots, { make, choice, toggles, swatch } = linkproof.controls;
     const changed = () => show();
-    const coloured = (name) => swatch(`c${data.engines.indexOf(name) % 6}`);
+    const coloured = (name) => swatch(data.looks[name][0], data.looks[name][2]);
     const sign = (name) => make("span", ` ${SIGNS[name] || SIGNS.tuned}`, { ariaHidden: "true" });
     const isUsual = (name) => name !== "naive" || data.settings.length < 2;
 

@@ -1,11 +1,10 @@
 /* Figures made in Python as plain data of Plotly, of which one is chosen; a colour "ink:c0" is the page's own. */
 "use strict";
 linkproof.widget("figures", (element, { what, figures, words }) => {
-  const { make, choice } = linkproof.controls, plot = make("div"), controls = make("div", "", { className: "controls" });
+  const { make, choice, inked: inkOf } = linkproof.controls, plot = make("div"), controls = make("div", "", { className: "controls" });
   const [chosen, label] = choice(what, figures.map(({ name }, n) => [n, name]), () => draw());
   const inked = (part, colours) => JSON.parse(JSON.stringify(part), (_, value) => {
-    const ink = typeof value === "string" && /^ink:(?:c(\d)|(\w+))$/.exec(value);
-    return ink ? (ink[1] ? colours.c[ink[1]] : colours[ink[2]]) : value;
+    return typeof value === "string" && value.startsWith("ink:") ? inkOf(colours, value.slice(4)) : value;
   });
 
   function draw() {

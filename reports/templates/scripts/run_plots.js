@@ -1,8 +1,8 @@
 /* Errors and curves of runs as Plotly's traces and layouts, which are functions of the page's colours, and words. */
 "use strict";
 linkproof.runPlots = (() => {
-  const SIGNS = { naive: "○ ···", tuned: "● —", best: "◆ – –" };
-  const DASHES = { naive: "dot", best: "dash" }, MARKERS = { naive: "circle-open", best: "diamond" };
+  const SIGNS = { naive: "open ···", tuned: "filled —", best: "outlined – –" };
+  const DASHES = { naive: "dot", best: "dash" }, { inked, marker } = linkproof.controls;
   const title = (text) => ({ text, standoff: 8 });
 
   /* Values at increasing times, between the samples of a curve. */
@@ -33,19 +33,20 @@ linkproof.runPlots = (() => {
     const names = at.quantities.map((one) => (isNarrow ? fitting(one.short) : one.title));
     const dots = (engine, setting) => at.errors.filter(
       ([, e, s]) => data.engines[e] === engine && data.settings[s] === setting);
-    const trace = (engine, lane, setting, colour) => {
+    const trace = (engine, lane, setting, colours) => {
+      const [ink, symbol] = data.looks[engine];
       const rows = dots(engine, setting), off = 0.72 * ((lane + 0.5) / lanes - 0.5);
       return {
         type: "scatter", mode: "markers", meta: "errors", name: `${engine} ${setting}`, showlegend: false,
         x: rows.map(([, , , error, limit]) => error / limit), y: rows.map(([quantity]) => quantity + off),
         customdata: rows.map(([quantity, , , error, limit]) => [quantity, error, limit, at.quantities[quantity].title]),
-        marker: { color: colour, size: 8, symbol: MARKERS[setting] || "circle" },
+        marker: marker(colours, ink, symbol, setting, 8),
         hovertemplate: `<b>${engine} ${setting}</b><br>%{customdata[3]}<br>error %{customdata[1]:.1e} of the peak, `
           + "limit %{customdata[2]:.1e}<extra></extra>",
       };
     };
-    const traces = ({ c }) => shown.engines.flatMap((engine, lane) => shown.settings.map(
-      (setting) => trace(engine, lane, setting, c[data.engines.indexOf(engine) % 6])));
+    const traces = (colours) => shown.engines.flatMap((engine, lane) => shown.settings.map(
+      (setting) => trace(engine, lane, setting, colours)));
     const layout = ({ limit, faint }) => ({
       height: 96 + 24 * names.length, margin: { l: 8, r: 12, t: 8, b: 48 }, hovermode: "closest",
       shapes: [upright(1, { color: limit }), ...names.flatMap((_, n) => (n % 2 ? [{
@@ -66,7 +67,8 @@ linkproof.runPlots = (() => {
     const along = (wanted) => (shown.axis === "angle" ? turned(wanted) : wanted);
     const runs = curves.runs.filter(
       ({ engine, setting }) => shown.engines.includes(engine) && shown.settings.includes(setting));
-    const drawn = (run, colour) => {
+    const drawn = (run, colours) => {
+      const [ink, symbol] = data.looks[run.engine], color = inked(colours, ink);
       const [time, value, decades] = linkproof.unpacked(run.samples), x = along(time), angle = turned(time);
       const error = decades.map((decade) => 10 ** decade), who = `<b>${run.engine} ${run.setting}</b>`;
       const common = {
@@ -75,14 +77,14 @@ linkproof.runPlots = (() => {
         hovertemplate: `${who}<br>t = %{customdata[0]:.4~g} s, ${name.replace(", ", " = %{customdata[1]:.4~g} ")}<br>`
           + `%{customdata[2]:.4~g} ${quantity.unit}<br>error %{customdata[3]:.1e} of the peak<extra></extra>`,
       };
-      const marker = { color: colour, size: 4, symbol: MARKERS[run.setting] || "circle" };
-      const line = { color: colour, width: 1.4, dash: DASHES[run.setting] };
-      return [{ ...common, y: value, mode: "markers", marker }, { ...common, y: error, yaxis: "y2", mode: "lines", line }];
+      const line = { color, width: 1.4, dash: DASHES[run.setting] };
+      return [{ ...common, y: value, mode: "markers", marker: marker(colours, ink, symbol, run.setting, 4) },
+        { ...common, y: error, yaxis: "y2", mode: "lines", line }];
     };
-    const traces = ({ c, reference }) => [
+    const traces = (colours) => [
       { type: "scatter", mode: "lines", name: "closed form", x: along(times), y: values, showlegend: false,
-        line: { color: reference, width: 4 }, hovertemplate: `closed form %{y:.4~g} ${quantity.unit}<extra></extra>` },
-      ...runs.flatMap((run) => drawn(run, c[data.engines.indexOf(run.engine) % 6])),
+        line: { color: colours.reference, width: 4 }, hovertemplate: `closed form %{y:.4~g} ${quantity.unit}<extra></extra>` },
+      ...runs.flatMap((run) => drawn(run, colours)),
     ];
     const limits = [...new Set(runs.map((run) => run.limit).filter(Boolean))];
     const layout = ({ limit, muted }) => ({

@@ -6,9 +6,11 @@ from analytic.description.loading import load
 from comparisons.designer.building import usual_sheet
 from comparisons.trials.campaign.results import Results
 from comparisons.trials.judging.records import Verdict
+from engines.registry import engine_names
 from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, PageLink, Paragraph
+from reports.records import looks
 from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "fork-takeup")
@@ -49,6 +51,11 @@ def test_a_picture_has_a_dot_for_every_engine_and_setting_that_leads_to_its_wors
     assert all(0.0 < error < 10.0 for error in beta["y"])
     assert alpha["customdata"][0].startswith("mechanisms/")
     assert "#curve=run-up%2F" in alpha["customdata"][0]
+
+
+def test_every_engine_has_a_colour_and_a_symbol_that_no_other_has():
+    names = [*engine_names(), *"abcdefghijklmnopqrstuvwxyz"]
+    assert len({look[:2] for look in looks(names).values()}) == len(names)
 
 
 def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, sheets):
