@@ -161,7 +161,7 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
 def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]]:
     """Every column of the files: the signal and the unit that it was read as, and why, or why it is not judged."""
     every = {row[1].header: row for row in reversed(judgement.imported.read)}  # a time beside every curve once
-    for name, column, assumption in reversed(every.values()):
+    for name, column, _, assumption in reversed(every.values()):
         yield f"'{column.header}' ({column.place})", name, column.unit, assumption
     for column, reason in judgement.not_judged:
         yield f"'{column.header}' ({column.place})", "not judged", "", reason

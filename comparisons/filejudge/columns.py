@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
@@ -63,21 +63,29 @@ class ResultTable:
 
 
 @dataclass(frozen=True)
-class ImportedSignal:
-    """A signal of the linkage by its name: SI values with angles in rad, corrections that were agreed to applied.
-
-    ``at`` (n,) is the time, s, or the crank angle, rad; ``at_resolution`` (n,) is its resolution in the file.
-    ``joint_force:NAME:magnitude`` is the size of a joint's force. ``assumption`` says what was
-    assumed where the header leaves it open; "" for nothing.
-    """
+class SignalTimes:
+    """A signal by its ``name`` at ``time`` (n,), s."""
 
     name: str
-    axis: Axis
-    at: Array
+    time: Array
+
+
+@dataclass(frozen=True)
+class ImportedSignal(SignalTimes):
+    """A signal of the linkage: SI values (n,) with angles in rad, corrections that were agreed to applied.
+
+    Over the ``axis`` phi the ``time`` (n,) is the crank angle, rad, until the crank's speed is known. Values and times
+    are each within their ``rounding`` and ``time_rounding`` (n,). ``joint_force:NAME:magnitude`` is the size of a
+    joint's force. The column's unit has the SI value ``unit_value``; ``assumption`` says what was assumed where the
+    header leaves it open, "" for nothing.
+    """
+
     values: Array
-    resolution: Array
+    rounding: Array
+    time_rounding: Array
+    axis: Axis
     column: Column
-    at_resolution: Array
+    unit_value: float = 1.0
     assumption: str = ""
 
 
@@ -85,22 +93,20 @@ class ImportedSignal:
 class ImportedResults:
     """Signals of a linkage read from result files.
 
-    ``corrections`` are those agreed to, by the names of signals, ``units`` the SI values of their columns' units;
-    ``read`` has every column that was read, axes too: its signal, the column in the unit it was read in, and what was
-    assumed.
+    ``corrections`` are those agreed to, by the names of signals; ``read`` has every column that was read, axes too: its
+    signal, the column in the unit it was read in, the unit's SI value, and what was assumed.
     """
 
     signals: tuple[ImportedSignal, ...]
     not_judged: tuple[tuple[Column, str], ...]
     corrections: Mapping[str, Correction]
-    units: Mapping[str, float] = field(default_factory=dict)
-    read: tuple[tuple[str, Column, str], ...] = ()
+    read: tuple[tuple[str, Column, float, str], ...] = ()
 
     def written(self, signal: str, correction: Correction) -> str:
         """The option that says a correction of a signal's column: ``--map "Torque=-Mkr [N*mm]"``."""
-        column = next(column for name, column, _ in self.read if name == signal)
+        column, value = next((column, value) for name, column, value, _ in self.read if name == signal)
         unit, factor = f" [{column.unit}]", 1.0 / correction.factor
-        offset = -correction.sign * correction.offset * factor / self.units.get(signal, 1.0)
+        offset = -correction.sign * correction.offset * factor / value
         sign, times = "-" if correction.sign < 0 else "", f"{factor:.9g}*" if factor != 1.0 else ""
         added = f" {'+' if offset > 0.0 else '-'} {abs(offset):.9g}" if offset else ""
         later = f" @ {correction.time_shift:+.9g} s" if correction.time_shift else ""

@@ -13,10 +13,10 @@ from scipy.optimize import least_squares
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from comparisons.filejudge.columns import Correction
+from analytic.signals import MAGNITUDE
+from comparisons.filejudge.columns import Correction, ImportedSignal
 from comparisons.filejudge.hypotheses import (
     ZERO_ANGLE,
-    CrankColumn,
     Evidence,
     FaultKind,
     Hypothesis,
@@ -44,6 +44,8 @@ AS_GOOD: Final = 1.3  # times the rms of the best numbers that usual ones may le
 AS_ROUND: Final = 1.1  # the same, of round ones
 DIGITS: Final = (1, 2, 3)  # of round numbers
 NOT_ROUND: Final = 4  # digits of a number that is not round
+FIRST_LOOK: Final = 4  # evaluations after which a fit goes on if it leaves
+PROMISING: Final = 0.5  # of the difference of a column, or less
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
 
 SAMPLES: Final = 300  # of a signal to which faults are fitted,
@@ -106,6 +108,7 @@ class Fitting:
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
         self.simulation, self.evidence = simulation, evidence
         self.before = [signal.residual for signal in evidence]
+        self.rms = np.array([float(np.sqrt(np.nanmean(r**2))) if np.isfinite(r).any() else 0.0 for r in self.before])
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
         """Residuals (n,) of every column with a fault, over its tolerance, nan where undecided; None if impossible."""
@@ -135,20 +138,22 @@ class Fitting:
             residual = np.where(near_jumps(signal.time, moved) & ~signal.over, np.nan, residual)
         return np.where(signal.over & np.isnan(residual), self.before[number], residual)  # left open, unexplained
 
-    def evaluate(self, fault: Hypothesis, numbers: Iterable[float], digits: int = NOT_ROUND) -> Fit | None:
+    def evaluate(self, fault: Hypothesis, numbers: float | Iterable[float], digits: int = NOT_ROUND) -> Fit | None:
         """What a fault leaves of the columns with exactly these numbers; None where it cannot be simulated.
 
         ``digits`` goes into the Fit: how round the number is.
         """
-        return _fit_of(fault, numbers, self.residuals(fault, numbers), digits)
+        exact = np.array(numbers, dtype=float, ndmin=1)
+        return _fit_of(fault, exact, self.residuals(fault, exact), digits)
 
     def best(self, fault: Hypothesis) -> Fit | None:
         """The best fit of a fault, with usual numbers where they leave as little; None if it cannot be."""
-        usual = (self.evaluate(fault, numbers, 0) for numbers in fault.usual or ((),) * (not fault.start))
+        measured = _OnALine(self, fault) if self._is_linear(fault) else self
+        usual = (measured.evaluate(fault, numbers, 0) for numbers in fault.usual or ((),) * (not fault.start))
         if not fault.start:
             return _least_fit(usual)
-        best = _least_fit(self._fitted(fault, np.array(guess)) for guess in self._best_guesses(fault))
-        if best is None or (fault.is_linear and not best.change):
+        best = _least_fit(measured._fitted(fault, np.array(guess, ndmin=1)) for guess in measured._best_guesses(fault))
+        if best is None or not (fault.guesses or fault.is_slow or best.change):
             return best
         tried = _least_fit(usual)
         return tried if tried and _is_as_good(tried, best, AS_GOOD) else best
@@ -159,13 +164,17 @@ class Fitting:
         if not unit or len(fit.numbers) != 1 or not fit.digits:
             return fit
         for digits in DIGITS:
-            value = float(f"{fit.numbers[0] / unit:.{digits - 1}e}") * unit
-            trial = self.evaluate(fit.fault, (value,), digits)
+            trial = self.evaluate(fit.fault, float(f"{fit.numbers[0] / unit:.{digits - 1}e}") * unit, digits)
             if trial and _is_as_good(trial, fit, AS_ROUND):
                 return trial
         return fit
 
-    def _best_guesses(self, fault: Hypothesis) -> Sequence[Numbers]:
+    def _is_linear(self, fault: Hypothesis) -> bool:
+        """Whether every column is a linear function of a fault's numbers: friction and sizes of forces are not."""
+        sizes = any(signal.name.endswith(MAGNITUDE) for signal in self.evidence)
+        return fault.is_linear and not sizes and not self.simulation.linkage.friction
+
+    def _best_guesses(self, fault: Hypothesis) -> Sequence[float | Numbers]:
         """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
@@ -174,16 +183,19 @@ class Fitting:
         return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
     def _fitted(self, fault: Hypothesis, guess: Array) -> Fit | None:
-        """The least-squares fit of a fault's numbers from a guess; None if that cannot be simulated."""
+        """The least-squares fit of a fault's numbers from a guess; None if that cannot be simulated.
+
+        It ends early where the first steps explain no column by half.
+        """
         sizes, here, axes = np.array(fault.sizes), np.zeros(len(guess)), DIFFERENCE_STEP * np.eye(len(guess))
-        is_start, (low, high) = np.array_equal(guess, fault.start), fault.bounds
+        is_start = np.array_equal(guess, fault.start)
         seen: dict[bytes, list[Array] | None] = {here.tobytes(): self.before} if is_start else {}
 
         def remains(step: Array) -> Array | None:
             """The residuals of all signals, each weighted alike however many samples it has; None if impossible."""
             key, numbers = step.tobytes(), guess + sizes * step
             if key not in seen:
-                seen[key] = self.residuals(fault, numbers) if np.all((low <= numbers) & (numbers <= high)) else None
+                seen[key] = self.residuals(fault, numbers) if np.all(numbers >= fault.least) else None
             parts = seen[key]
             return None if parts is None else np.concatenate([values / np.sqrt(len(values)) for values in parts])
 
@@ -199,13 +211,38 @@ class Fitting:
         samples = sum(len(values) for values in self.before)
         if remains(here) is None:
             return None
+        found, fit = here, _fit_of(fault, guess, seen[here.tobytes()])
         if is_start:
             rest, jacobian = known(here), slopes(here)
             least = rest - jacobian @ np.linalg.lstsq(jacobian, rest, rcond=1e-10)[0]
             if least @ least >= (1.0 - HOPELESS) * (rest @ rest):
-                return _fit_of(fault, guess, seen[here.tobytes()])
-        found = least_squares(known, here, slopes, method="lm", x_scale=1.0, ftol=SETTLED, max_nfev=EVALUATIONS).x
-        return _fit_of(fault, guess + sizes * found, seen[found.tobytes()])
+                return fit
+        for most in (FIRST_LOOK, EVALUATIONS):
+            found = least_squares(known, found, slopes, method="lm", x_scale=1.0, ftol=SETTLED, max_nfev=most).x
+            fit = _fit_of(fault, guess + sizes * found, seen[found.tobytes()])
+            if fit is None or not np.any(fit.rms < PROMISING * self.rms):
+                break
+        return fit
+
+
+class _OnALine(Fitting):
+    """The fitting of a linear fault, whose residuals are known from one change of each of its numbers."""
+
+    def __init__(self, whole: Fitting, fault: Hypothesis) -> None:
+        super().__init__(whole.simulation, whole.evidence)
+        self.start, self.sizes = np.array(fault.start), np.array(fault.sizes)
+        self.ends = [whole.residuals(fault, self.start + change) for change in np.diag(self.sizes)]
+
+    def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
+        """Residuals (n,) of every column: those without a change, and as much of each change as the numbers are."""
+        remains = list(self.before)
+        for end, share in zip(self.ends, (np.asarray(numbers) - self.start) / self.sizes, strict=True):
+            if end is None:
+                return super().residuals(fault, numbers)
+            remains = [
+                now + share * (then - before) for now, then, before in zip(remains, end, self.before, strict=True)
+            ]
+        return remains
 
 
 def _fit_of(
@@ -264,7 +301,7 @@ class Explanation:
 
 
 def explain(
-    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: ImportedSignal | None = None
 ) -> Explanation:
     """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
     raw = _explain_as_read(simulation, evidence, names, column)
@@ -319,7 +356,7 @@ def differs(evidence: Evidence) -> bool:
 
 
 def _explain_as_read(
-    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: CrankColumn | None = None
+    simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: ImportedSignal | None = None
 ) -> Explanation:
     """The causes of the differences of columns as they are: first the cause that explains most signals."""
     open_names = [signal.name for signal in evidence if differs(signal)]
@@ -349,33 +386,33 @@ def _explain_as_read(
 class _Search:
     """Faults fitted to some columns, and how they compare with the residuals before any fault is applied."""
 
-    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence], column: CrankColumn | None) -> None:
+    def __init__(self, simulation: Simulation, evidence: Sequence[Evidence], column: ImportedSignal | None) -> None:
         self.simulation, self.evidence, self.column = simulation, evidence, column
         self.places = {signal.name: n for n, signal in enumerate(evidence)}
         self.whole = Fitting(simulation, evidence)
         few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
         self.thin = Fitting(simulation, [signal.thinned(few) for signal in evidence])
         self.differ = np.array([differs(signal) for signal in evidence])
-        rest = [signal.residual[signal.counted] for signal in evidence]
-        self.rms = np.array([float(np.sqrt(np.mean(r**2))) if len(r) else 0.0 for r in rest])
+        self.rms = self.whole.rms
         shares = [(signal.rounding / signal.tolerance)[signal.counted] for signal in evidence]
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
     def fits(self, names: Sequence[str], open_names: Sequence[str]) -> list[Fit]:
         """Every hypothesis fitted that does no harm; ``names`` are the signals that a column may be taken for.
 
-        Where one of them explains all columns at once, nothing is sought in the shape of a linkage whose positions are
-        computed by iteration.
+        Where a setting explains everything, or of a linkage whose positions are computed by iteration anything,
+        nothing is sought in what is slow.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
         rows += of_columns(self.evidence)
         for signal in self.evidence:
             rows += of_column(signal, self.simulation, names) if signal.name in open_names else ()
-        slow = [row for row in rows if row.reshapes and self.simulation.mechanism.is_numerical]
-        result = self._harmless(row for row in rows if row not in slow)
-        if not any(len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result):
-            result += self._harmless(slow)
-        return result
+        result = self._harmless(row for row in rows if not row.is_slow)
+        if self.simulation.mechanism.is_numerical:
+            is_settled = any(len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result)
+        else:
+            is_settled = any(fit.rank[0] <= FaultKind.SETTING and np.all(fit.largest <= NOTICED) for fit in result)
+        return result if is_settled else result + self._harmless(row for row in rows if row.is_slow)
 
     def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:
         """Fits that make no signal worse beyond its rounding: made to some samples, measured on all if they help."""
@@ -422,7 +459,7 @@ def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
     return (fit for fit in others if fit.rank[0] <= most)
 
 
-def corrections(fit: Fit, signals: Iterable[str], column: CrankColumn | None) -> dict[str, Correction]:
+def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None) -> dict[str, Correction]:
     """What undoes a cause of the difference in some signals: corrections of columns, by the names of signals.
 
     Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis.

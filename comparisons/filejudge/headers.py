@@ -122,6 +122,8 @@ _UNITS_FILE: Final[Mapping[str, Any]] = tomllib.loads(
     Path(__file__).with_name("header_units.toml").read_text(encoding="utf-8")
 )
 
+# Units that are taken for one another, by the SI unit of what is measured, with their SI values.
+MISTAKEN_UNITS: Final[Mapping[str, Mapping[str, float]]] = _UNITS_FILE["mistaken"]
 Dimension = tuple[int, ...]  # exponents of m, kg, s and rad
 
 

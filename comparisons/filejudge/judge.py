@@ -14,7 +14,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.signals import names, table, unit
-from comparisons.filejudge.columns import Column, Correction, ImportedResults, ImportedSignal
+from comparisons.filejudge.columns import Column, Correction, ImportedResults, ImportedSignal, SignalTimes
 from comparisons.filejudge.crank_column import (
     SPREAD,
     ColumnMotion,
@@ -24,8 +24,8 @@ from comparisons.filejudge.crank_column import (
     unwrap_angles,
 )
 from comparisons.filejudge.fault_ranking import Explanation, explain, proposals
-from comparisons.filejudge.hypotheses import CrankColumn, Evidence
-from comparisons.filejudge.simulation import CRANK, JUMPING, MOTION, SignalTimes, Simulation
+from comparisons.filejudge.hypotheses import Evidence
+from comparisons.filejudge.simulation import CRANK, JUMPING, MOTION, Simulation
 from comparisons.motion.case import Motion
 from comparisons.trials.judging.quantities import Deviation, near_jump, near_jumps
 from comparisons.trials.judging.records import IMPORTED, Error, Verdict
@@ -42,27 +42,15 @@ SURE: Final = 4.0  # within so many standard deviations
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
 
 
-@dataclass(frozen=True)
-class Samples(SignalTimes):
-    """A signal as judged: ``values`` (n,), SI, at its times, each within its ``rounding``, from ``imported``.
-
-    Its header states a unit of the SI value ``header``.
-    """
-
-    values: Array
-    rounding: Array
-    time_rounding: Array
-    imported: ImportedSignal
-    header: float = 1.0
-
-
-def rounding_floors(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth: Sequence[Array]) -> list[Array]:
     """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
-    others = [model.with_values({MOTION: motion}).predict(samples) for motion in likewise]
-    early, late = (model.predict([_shift_times(sample, sign) for sample in samples]) for sign in (-1.0, 1.0))
-    for number, signal in enumerate(samples):
+    others = [model.with_values({MOTION: motion}).predict(signals) for motion in likewise]
+    early, late = (
+        model.predict([SignalTimes(s.name, s.time + sign * s.time_rounding) for s in signals]) for sign in (-1.0, 1.0)
+    )
+    for number, signal in enumerate(signals):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
         apart = [
             np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
@@ -81,12 +69,7 @@ def _largest_nearby(differences: Sequence[Array], motion: Motion) -> Array:
     return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
 
 
-def _shift_times(signal: Samples, sign: float) -> Samples:
-    """A signal at its earliest (-1) or latest (1) times within their rounding."""
-    return replace(signal, time=signal.time + sign * signal.time_rounding)
-
-
-def jump_sizes(model: Simulation, signal: Samples) -> Array:
+def jump_sizes(model: Simulation, signal: SignalTimes) -> Array:
     """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
     sizes = np.zeros(len(signal.time))
     if unit(signal.name, model.linkage) not in JUMPING:
@@ -94,8 +77,8 @@ def jump_sizes(model: Simulation, signal: Samples) -> Array:
     for jump in model.motion.jumps:
         at_rest = model.with_values({(CRANK, "order"): 0})  # as the crank is before the start
         earlier = model if jump > 0.0 else at_rest
-        (after,) = model.predict([replace(signal, time=np.array([jump]))])
-        (before,) = earlier.predict([replace(signal, time=np.array([np.nextafter(jump, 0.0)]))])
+        (after,) = model.predict([SignalTimes(signal.name, np.array([jump]))])
+        (before,) = earlier.predict([SignalTimes(signal.name, np.array([np.nextafter(jump, 0.0)]))])
         size = float((after - before)[0]) or np.finfo(float).tiny
         larger = near_jump(signal.time, model.motion, jump) & (np.abs(size) > np.abs(sizes))
         sizes = np.where(larger, np.where(signal.time < jump, size, -size), sizes)
@@ -201,18 +184,22 @@ class SignalVerdict(Evidence):
 
 
 def judge_signals(
-    model: Simulation, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+    model: Simulation,
+    signals: Sequence[ImportedSignal],
+    truth: Sequence[Array],
+    floors: Sequence[Array],
+    limit: float,
 ) -> list[SignalVerdict]:
     """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
-    scales = natural_scales(model, samples, truth)
+    scales = natural_scales(model, signals, truth)
     return [
         _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
-        for signal, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
+        for signal, values, open_, natural in zip(signals, truth, floors, scales, strict=True)
     ]
 
 
 def _judge_signal(
-    model: Simulation, signal: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+    model: Simulation, signal: ImportedSignal, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
     """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
     si, jump = unit(signal.name, model.linkage), jump_sizes(model, signal)
@@ -230,8 +217,8 @@ def _judge_signal(
         outcome = Verdict.UNDEFINED  # the uncertainty of the crank's motion is over the limit
     return SignalVerdict(
         signal.name, signal.time, signal.values, truth, open_, counted | alone, alone, scale, in_file.on_page,
-        in_file.size, si, signal.header,
-        imported=signal.imported,
+        in_file.size, si, signal.unit_value,
+        imported=signal,
         near_zero=peak < least,
         limit=limit,
         error_max=float(error[worst]) / scale,
@@ -243,7 +230,7 @@ def _judge_signal(
     )  # fmt: skip
 
 
-def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+def natural_scales(model: Simulation, signals: Sequence[SignalTimes], truth: Sequence[Array]) -> list[float]:
     """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
@@ -253,14 +240,12 @@ def natural_scales(model: Simulation, samples: Sequence[Samples], truth: Sequenc
     length, speed = linkage.extent(), motion.peak_speed
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, 101))))) + speed**2
     mass = sum(link.mass for link in linkage.links.values())
-    forces = [
-        float(np.max(np.abs(curve))) for signal, curve in zip(samples, truth, strict=True) if "force" in signal.name
-    ]
+    forces = [float(np.max(np.abs(y))) for signal, y in zip(signals, truth, strict=True) if "force" in signal.name]
     force = max(mass * float(np.hypot(*linkage.gravity)), mass * length * hardest * 0.1, *forces, 0.0)
     torque = force * length * 0.1
     turning = {"rad": 1.0, "rad/s": speed, "rad/s²": hardest, "J": torque, "N m": torque, "W": torque * speed}
     scales = {**turning, "m": length, "m/s": length * speed, "m/s²": length * hardest, "N": force}
-    return [scales.get(unit(sample.name, model.linkage), 0.0) for sample in samples]
+    return [scales.get(unit(signal.name, linkage), 0.0) for signal in signals]
 
 
 @dataclass(frozen=True)
@@ -324,13 +309,9 @@ def judge(
     """
     moved, source, crank = _crank_motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
-    every = [
-        _samples_of(signal, moved, imported.units.get(signal.name, 1.0))
-        for signal in imported.signals
-        if signal is not crank
-    ]
-    _check_speed(model, every, gives_speed=gives_speed)
-    signals = [signal for signal in every if len(signal.time) >= FEWEST]
+    judged = [signal for signal in imported.signals if signal is not crank]
+    _check_speed(model, judged, gives_speed=gives_speed)
+    signals = [_over_time(signal, moved) for signal in judged if len(signal.time) >= FEWEST]
     if not signals:
         reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
         raise LinkproofError(
@@ -339,23 +320,16 @@ def judge(
         )
     truth = model.predict(signals)
     signals = [_without_turns(signal, values, linkage) for signal, values in zip(signals, truth, strict=True)]
-    judged = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
-    column = None
-    if crank is not None:
-        name = "" if linkage.is_linear else crank.name
-        column = CrankColumn(name, crank.column.header, crank.column.unit, imported.units.get(crank.name, 1.0))
+    verdicts = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
     return ImportedJudgement(
         model,
-        tuple(judged),
-        explain(model, judged, names(model.mechanism), column),
-        (
-            *imported.not_judged,
-            *((signal.imported.column, "a single sample") for signal in every if len(signal.time) < FEWEST),
-        ),
+        tuple(verdicts),
+        explain(model, verdicts, names(model.mechanism), crank),
+        (*imported.not_judged, *((s.column, "a single sample") for s in judged if len(s.time) < FEWEST)),
         imported,
         source,
         limit,
-        tuple(_missed_peaks(model, judged)),
+        tuple(_missed_peaks(model, verdicts)),
     )
 
 
@@ -384,27 +358,29 @@ def _crank_motion(
 
 def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
-    time, open_ = even_instants(signal.at, signal.at_resolution)
+    time, open_ = even_instants(signal.time, signal.time_rounding)
     values = unwrap_angles(signal.values) if signal.name == "phi" else signal.values
-    return time, values, signal.resolution + open_ * np.abs(np.gradient(values, time))
+    return time, values, signal.rounding + open_ * np.abs(np.gradient(values, time))
 
 
-def _samples_of(signal: ImportedSignal, motion: Motion, header: float) -> Samples:
-    """A signal at its times; over the crank angle those of a constant speed."""
-    at, rounding = even_instants(signal.at, signal.at_resolution)
+def _over_time(signal: ImportedSignal, motion: Motion) -> ImportedSignal:
+    """A signal at even times; of one over the crank angle they are those of a constant speed."""
+    time, rounding = even_instants(signal.time, signal.time_rounding)
+    order = np.arange(len(time))
     if signal.axis == "phi":
         speed = float(motion.speed(0.0))
-        at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
-        order = np.argsort(at, kind="stable")
-        values, half = signal.values[order], signal.resolution[order]
-        return Samples(signal.name, at[order], values, half, rounding[order], signal, header)
-    return Samples(signal.name, at, signal.values, signal.resolution, rounding, signal, header)
+        time, rounding = (time - float(motion.angle(0.0))) / speed, rounding / abs(speed)
+        order = np.argsort(time, kind="stable")
+    return replace(
+        signal, axis="time", time=time[order], time_rounding=rounding[order], values=signal.values[order],
+        rounding=signal.rounding[order],
+    )  # fmt: skip
 
 
-def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: bool) -> None:
+def _check_speed(model: Simulation, signals: Sequence[ImportedSignal], *, gives_speed: bool) -> None:
     """Raise LinkproofError for moving signals over the crank angle where the user states no speed."""
     known = table(model.mechanism)
-    over_angle = [signal.name for signal in signals if signal.imported.axis == "phi"]
+    over_angle = [signal.name for signal in signals if signal.axis == "phi"]
     moving = [name for name in over_angle if name not in known or not known[name].is_still]
     if moving and not gives_speed:
         raise LinkproofError(
@@ -412,7 +388,7 @@ def _check_speed(model: Simulation, signals: Sequence[Samples], *, gives_speed: 
         )
 
 
-def _without_turns(signal: Samples, truth: Array, linkage: Linkage) -> Samples:
+def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> ImportedSignal:
     """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
     if unit(signal.name, linkage) != "rad":
         return signal

@@ -209,8 +209,8 @@ class _Reading:
             assumption = "; ".join(filter(None, (meaning.assumption, of_axis, repeated)))
             values, resolution = column.in_si()
             yield ImportedSignal(
-                meaning.signal, name, at[rows] + column.correction.time_shift, values[rows], resolution[rows],
-                replace(column.column, unit=meaning.printed), sharpness[rows], assumption,
+                meaning.signal, at[rows] + column.correction.time_shift, values[rows], resolution[rows],
+                sharpness[rows], name, replace(column.column, unit=meaning.printed), column.factor, assumption,
             )  # fmt: skip
 
 
@@ -236,9 +236,8 @@ def read_results(
         )
     every = reading.with_meaning()
     corrections = {m.signal: entry.correction for entry, m in every if entry.correction != NOTHING}
-    units = {m.signal: entry.factor for entry, m in every}
-    read = tuple((m.signal, replace(entry.column, unit=m.printed), m.assumption) for entry, m in every)
-    return ImportedResults(tuple(signals), not_judged, corrections, units, read)
+    read = tuple((m.signal, replace(entry.column, unit=m.printed), entry.factor, m.assumption) for entry, m in every)
+    return ImportedResults(tuple(signals), not_judged, corrections, read)
 
 
 def _distinct_rows(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:

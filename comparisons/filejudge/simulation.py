@@ -17,6 +17,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import signal, unit
+from comparisons.filejudge.columns import SignalTimes
 from comparisons.motion.case import Motion, Truth
 from comparisons.trials.judging.quantities import near_jumps
 
@@ -41,14 +42,6 @@ OF_MOTION: Final = frozenset(("m", "rad", "m/s", "rad/s", "m/s²", "rad/s²"))  
 LONGEST_KEPT: Final = 100_000  # instants of a sweep that is kept,
 MOST_KEPT: Final = 4  # of so many
 SAME_INSTANT: Final = 1e-6  # of a step: the same instant
-
-
-@dataclass(frozen=True)
-class SignalTimes:
-    """A signal by its ``name`` at ``time`` (n,), s."""
-
-    name: str
-    time: Array
 
 
 @dataclass(frozen=True)

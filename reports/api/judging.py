@@ -80,8 +80,8 @@ def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> Moti
 def _check_end(motion: Motion, imported: ImportedResults) -> None:
     """Raise LinkproofError for times of a file that are more than a sample after the end of the stated motion."""
     for signal in imported.signals:
-        if signal.axis == "time" and len(signal.at) > 1 and float(signal.at[-2]) > motion.duration:
+        if signal.axis == "time" and len(signal.time) > 1 and float(signal.time[-2]) > motion.duration:
             raise LinkproofError(
-                f"'{signal.column.header}' has times up to {signal.at[-1]:.4g} s, and the stated motion "
+                f"'{signal.column.header}' has times up to {signal.time[-1]:.4g} s, and the stated motion "
                 f"'{motion.regime}' ends at {motion.duration:.4g} s: correct the motion, or leave out the rows after it"
             )

@@ -12,15 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.io import savemat
 
-from comparisons.filejudge.columns import Column, ImportedResults, ImportedSignal
-from comparisons.filejudge.judge import Samples
+from comparisons.filejudge.columns import Column, ImportedResults, ImportedSignal, SignalTimes
 from comparisons.filejudge.simulation import Simulation
-
-
-def samples(name, time):
-    """A place for a signal's values."""
-    nothing = np.zeros(len(time))
-    return Samples(name, time, nothing, nothing, nothing, None)
 
 
 def rounded(values, digits):
@@ -33,7 +26,7 @@ def rounded(values, digits):
 def exported(linkage, motion, names, time, *, digits=6, change=None, model=None):
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
     model = model or Simulation(linkage, motion)
-    values = dict(zip(names, model.predict([samples(name, time) for name in names]), strict=True))
+    values = dict(zip(names, model.predict([SignalTimes(name, time) for name in names]), strict=True))
     return results_of(change(values, time) if change else values, time, digits=digits)
 
 
@@ -44,8 +37,8 @@ def results_of(values, time, *, digits=6):
         printed, half = rounded(values[name], digits)
         at, at_half = rounded(time, 10)
         column = Column(name, "", printed, half, "made up")
-        signals.append(ImportedSignal(name, "time", at, printed, half, column, at_half))
-    return ImportedResults(tuple(signals), (), {}, {}, tuple((s.name, s.column, "") for s in signals))
+        signals.append(ImportedSignal(name, at, printed, half, at_half, "time", column))
+    return ImportedResults(tuple(signals), (), {}, tuple((s.name, s.column, 1.0, "") for s in signals))
 
 
 def with_link(linkage, name, **changes):

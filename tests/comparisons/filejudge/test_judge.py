@@ -12,13 +12,13 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names as signal_names
-from comparisons.filejudge.columns import Correction
+from comparisons.filejudge.columns import Correction, SignalTimes
 from comparisons.filejudge.judge import judge
 from comparisons.filejudge.reading import read_results
 from comparisons.filejudge.simulation import Simulation
 from comparisons.motion.case import case_of_file_regime
 from comparisons.trials.judging.records import Verdict
-from tests.comparisons.filejudge.layouts import exported, samples, with_link
+from tests.comparisons.filejudge.layouts import exported, with_link
 
 JUKI = load("juki-mf7923d")
 QUINTIC = crank_motion("run-up-quintic")
@@ -49,7 +49,7 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
 def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_more():
     linear, time, at = crank_motion("run-up"), np.linspace(0.0, 0.7, 351), 300
     sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
-    before, after = (Simulation(JUKI, linear).predict([samples("Mkr", side)])[0][0] for side in sides)
+    before, after = (Simulation(JUKI, linear).predict([SignalTimes("Mkr", side)])[0][0] for side in sides)
     outcomes, worst = {}, 0.0
     for factor in (-1.0, 0.5, 3.0):
 
@@ -133,7 +133,9 @@ def test_signals_over_the_crank_angle_need_a_speed_where_they_move():
     results = exported(JUKI, steady, ("S", "Mkr"), TIME)
     over_angle = replace(
         results,
-        signals=tuple(replace(s, axis="phi", at=steady.angle(s.at), at_resolution=0.0 * s.at) for s in results.signals),
+        signals=tuple(
+            replace(s, axis="phi", time=steady.angle(s.time), time_rounding=0.0 * s.time) for s in results.signals
+        ),
     )
     assert judge(JUKI, over_angle, steady).passed
     with pytest.raises(LinkproofError, match=r"Mkr over the crank angle: .* say it with --speed"):
@@ -181,7 +183,7 @@ def test_angles_turns_and_torques_that_count_clockwise_are_one_cause():
 def test_late_columns_may_have_anything_where_the_run_has_no_instants(columns, cause):
     motion, late = crank_motion("run-up"), -0.002
     within = np.clip(TIME - late, 0.0, TIME[-1])  # a tool that repeats the first or the last value there
-    curves = Simulation(JUKI, motion).predict([samples(name, within) for name in columns])
+    curves = Simulation(JUKI, motion).predict([SignalTimes(name, within) for name in columns])
     shifted = dict(zip(columns, curves, strict=True))
     results = exported(JUKI, motion, ("phi", "Mkr", "S"), TIME, change=lambda v, _: {**v, **shifted})
     (finding,) = judge(JUKI, results).explanation.findings

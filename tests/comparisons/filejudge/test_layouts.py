@@ -87,8 +87,8 @@ def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(
     angle, torque = read_results([path], JUKI).signals
     assert (angle.name, torque.name) == ("phi", "Mkr")
     np.testing.assert_allclose(torque.values, np.cos(time), rtol=sharp)
-    assert np.all(np.abs(torque.values - np.cos(time)) <= torque.resolution)
-    assert np.max(torque.resolution) < sharp
+    assert np.all(np.abs(torque.values - np.cos(time)) <= torque.rounding)
+    assert np.max(torque.rounding) < sharp
 
 
 def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path):

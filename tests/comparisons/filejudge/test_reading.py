@@ -201,7 +201,10 @@ def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
         read(tmp_path, solidworks(plots))
     angle = [Channel("Time", "sec", TIME), Channel("Angular Displacement1", "deg", 360.0 * TIME)]
     results = read(tmp_path, solidworks([plots[0], ("Angular Displacement1", angle), plots[2]]))
-    assert [(s.name, s.at[-1], s.values[-1]) for s in results.signals] == [("Mkr", 1.0, 1.0), ("phi", 1.0, 2.0 * np.pi)]
+    assert [(s.name, s.time[-1], s.values[-1]) for s in results.signals] == [
+        ("Mkr", 1.0, 1.0),
+        ("phi", 1.0, 2.0 * np.pi),
+    ]
     assert results.signals[1].assumption == "its name has no link: taken as the crank's"
     ((column, reason),) = results.not_judged
     assert column.header == "Reaction Force3 (newton)"
@@ -221,8 +224,8 @@ def test_modelica_files_are_in_si_units_and_that_is_said(tmp_path):
 def test_the_crank_angle_is_the_axis_where_there_is_no_time(tmp_path):
     (signal,) = read(tmp_path, "Kurbelwinkel [°];Antriebsmoment [Nm]\n0;1,5\n-10;2,5\n-20;3\n-30;4\n").signals
     assert (signal.name, signal.axis) == ("Mkr", "phi")
-    np.testing.assert_allclose(signal.at, -np.radians([0.0, 10.0, 20.0, 30.0]))
-    np.testing.assert_allclose(signal.resolution, 0.05)
+    np.testing.assert_allclose(signal.time, -np.radians([0.0, 10.0, 20.0, 30.0]))
+    np.testing.assert_allclose(signal.rounding, 0.05)
 
 
 def test_what_only_the_user_can_tell_is_asked_for(tmp_path):
@@ -240,10 +243,10 @@ def test_what_is_said_of_a_column_is_an_equation_that_is_solved_for_the_signal(t
     agreed = read(tmp_path, text, "Moment [Nmm]=-2*Mkr [N*mm] + 0.5 @ +0.25 s")
     (signal,) = agreed.signals
     np.testing.assert_allclose(-2.0 * signal.values + 0.5e-3, plain.values)
-    np.testing.assert_allclose(signal.at, plain.at + 0.25)
-    np.testing.assert_allclose(signal.resolution, 0.5 * plain.resolution)
+    np.testing.assert_allclose(signal.time, plain.time + 0.25)
+    np.testing.assert_allclose(signal.rounding, 0.5 * plain.rounding)
     assert agreed.corrections == {"Mkr": Correction(-1, 0.5, 0.25, 0.25e-3)}
-    assert agreed.read[1][:1] + agreed.read[1][2:] == ("Mkr", "")
+    assert agreed.read[1][:1] + agreed.read[1][2:] == ("Mkr", 1e-3, "")
 
 
 @given(
@@ -255,7 +258,7 @@ def test_what_is_said_of_a_column_is_an_equation_that_is_solved_for_the_signal(t
 def test_a_correction_that_is_printed_reads_as_itself(sign, numbers):
     factor, shift, offset = numbers
     results = results_of({"Mkr": np.ones(4)}, TIME[:4])
-    results = replace(results, read=(("Mkr", replace(results.signals[0].column, unit="N*m"), ""),))
+    results = replace(results, read=(("Mkr", replace(results.signals[0].column, unit="N*m"), 1.0, ""),))
     correction = Correction(sign, factor, shift, offset)
     words = results.written("Mkr", correction).removeprefix('--map "').removesuffix('"')
     ((header, entry),) = map_entries([words], ["Mkr"]).items()
@@ -328,7 +331,7 @@ def test_equal_headers_of_several_files_are_numbered_and_a_time_that_is_ignored_
     files = [tmp_path / "1.csv", tmp_path / "2.csv"]
     (signal,) = read_results(files, JUKI, ["t [s]=", "M [Nm]="]).signals
     assert (signal.axis, signal.column.header, signal.values[0]) == ("phi", "M [Nm] #2", 2.0)
-    assert signal.at.tolist() == [0.0, 1.0, 2.0, 4.0]
+    assert signal.time.tolist() == [0.0, 1.0, 2.0, 4.0]
 
 
 def test_folders_missing_files_and_pipes_are_refused(tmp_path):

@@ -7,10 +7,11 @@ import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
+from comparisons.filejudge.columns import SignalTimes
 from comparisons.filejudge.simulation import Simulation
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof, refused
-from tests.comparisons.filejudge.layouts import Channel, csv, samples
+from tests.comparisons.filejudge.layouts import Channel, csv
 
 JUKI = load("juki-mf7923d")
 NAMES = {"Mkr": "N*m", "S": "m", "v": "m/s"}
@@ -21,7 +22,7 @@ RUN_UP = ("--regime", "run-up")
 def curves():
     """Instants and the closed form's own values of a run-up."""
     time = np.linspace(0.0, 0.7, 141)
-    return time, Simulation(JUKI, crank_motion("run-up")).predict([samples(name, time) for name in NAMES])
+    return time, Simulation(JUKI, crank_motion("run-up")).predict([SignalTimes(name, time) for name in NAMES])
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_a_sign_is_named_and_passes_once_it_is_accepted(folder):
 def test_a_speed_alone_is_a_constant_speed(folder):
     time = np.linspace(0.0, 0.1, 61)
     motion = crank_motion("constant-speed", speed=600.0 * RPM)
-    (torque,) = Simulation(JUKI, motion).predict([samples("Mkr", time)])
+    (torque,) = Simulation(JUKI, motion).predict([SignalTimes("Mkr", time)])
     steady = [Channel("time", "s", time), Channel("Mkr", "N*m", torque)]
     over_angle = [Channel("phi", "deg", 3600.0 * time), steady[1]]
     (folder / "steady.csv").write_text(csv(steady, digits=9))
@@ -114,7 +115,7 @@ def test_a_swing_of_a_cylinder_is_given_in_the_unit_of_its_file(tmp_path):
     boom = path_of("boom")
     time = np.linspace(0.0, 2.0, 51)  # a cycloidal law is twice as fast as its mean at most, which 1 s gives
     simulation = Simulation(load(boom), swing("cycloidal", 0.42, 0.45, speed=0.03))
-    (force,) = simulation.predict([samples("Mkr", time)])
+    (force,) = simulation.predict([SignalTimes("Mkr", time)])
     (tmp_path / "run.csv").write_text(csv([Channel("time", "s", time), Channel("Mkr", "N", force)]))
     done = linkproof("judge", boom, tmp_path / "run.csv", "--regime", "cycloidal", "--from", "420", "--to", "450")
     assert done.returncode == 0
