@@ -264,9 +264,9 @@ def of_columns(evidence: Sequence[Evidence]) -> Iterator[Hypothesis]:
             rows += [
                 (f"unit {unit} {k:g}", members, k, f"all that is in {unit or '1'} is {k:.6g} times too large: {slip}")
             ]
-    for name, members, k, words in rows:
-        if len(members) > 1:
-            yield _certain(name, COLUMN, {(member, "scale"): k for member in members}, words)
+    for name, columns, k, words in rows:
+        if len(columns) > 1:
+            yield _certain(name, COLUMN, {(column, "scale"): k for column in columns}, words)
 
 
 # The crank's motion: direction, zero, clock, speed, run-up.
@@ -300,7 +300,7 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
         return f"the crank angle counts the other way, from {math.degrees(wrap_angle(angle)):.4g}°"
 
     turn = min(FULL_TURN / motion.peak_speed if motion.peak_speed else motion.duration, motion.duration)
-    behind = {(name, "scale"): -1.0 for name in names if is_rotary(name)}
+    behind: Values = {(name, "scale"): -1.0 for name in names if is_rotary(name)}
     yield from (
         _certain("direction", SETTING, {PACE: -1.0, OFFSET: 2.0 * start},
                  "the crank turns the other way" if column is None else "the crank angle is mirrored"),
@@ -430,7 +430,7 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
         if getattr(linkage, part):
             words = f"the {part} of the linkage file are left out"
             yield _certain(f"no {part}", SETTING, {(LINKAGE, part): EMPTY_PARTS[part]}, words)
-    elsewhere = [
+    elsewhere: list[tuple[str, int, dict[str, Any], str, str]] = [
         *(("forces", n, {"point": p}, f"{force.point} at {p}", f"the force at '{force.point}' acts at '{p}'")
           for n, force in enumerate(linkage.forces) if force.link in linkage.links
           for p in linkage.links[force.link].points if p != force.point),
@@ -480,7 +480,7 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
 def _number_words(name: str, number: Number) -> str:
     """What a number of the description is, in words."""
     part, *_, last = number.path
-    form = NUMBER_WORDS.get((part, str(number.path[2]) if part == "links" else ""), "'{name}'")
+    form = NUMBER_WORDS.get((str(part), str(number.path[2]) if part == "links" else ""), "'{name}'")
     axis = "xy"[last] if isinstance(last, int) else ""
     return form.format(*number.path, name=name, axis=axis, guide=name.partition(".through")[0])
 
