@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.group_solver import GroupSolver
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.rounded import RULES
 from analytic.signals import MovingSweep, signal
@@ -324,6 +324,12 @@ def is_traceable(mechanism: Mechanism) -> bool:
     return has_list and not any(dyad.changes for dyad in mechanism.structure.dyads)
 
 
+@once_per_mechanism
+def _traces(_: Mechanism) -> dict[object, LinkageTrace]:
+    """Lists of a mechanism by what they were made for."""
+    return {}
+
+
 def linkage_trace(
     mechanism: Mechanism,
     varied: Iterable[str],
@@ -335,14 +341,19 @@ def linkage_trace(
 ) -> LinkageTrace:
     """The list of a linkage's signals, with numbers by name, or ``SPEED``, that vary or are ``zero``, others constants.
 
-    ``signals`` are those of ``analytic.signals``, magnitudes of vectors and the output's coordinate. ``all_groups``
-    takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.
+    It is made once for a mechanism. ``signals`` are those of ``analytic.signals``, magnitudes of vectors and the
+    output's coordinate. ``all_groups`` takes the groups that no signal needs as well. Raises LinkproofError for a
+    linkage that is not traceable.
     """
     if not is_traceable(mechanism):
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected groups of two links without change points and friction"
         )
-    trace, varied = OperationList(), frozenset(varied)
+    varied, zero, known = frozenset(varied), frozenset(zero), _traces(mechanism)
+    key = (varied, tuple(signals), zero, accelerates, all_groups)
+    if key in known:
+        return known[key]
+    trace = OperationList()
     linkage = with_numbers(
         mechanism.linkage, {name: trace.input(name) for name in sorted(varied)} | dict.fromkeys(zero, 0.0)
     )
@@ -353,7 +364,7 @@ def linkage_trace(
     lines = tuple(trace.line(signal(at, name)) for name in signals)
     dyads = sweep.structure.dyads if all_groups else ()
     determinants = tuple(trace.line(abs(sweep.determinant(dyad))) for dyad in dyads)
-    return LinkageTrace(trace, varied, lines, trace.line(sweep.moves), determinants)
+    return known.setdefault(key, LinkageTrace(trace, varied, lines, trace.line(sweep.moves), determinants))
 
 
 # Printed functions as machine code, by numba where it is installed.

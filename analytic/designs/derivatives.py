@@ -160,12 +160,6 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
 
 @once_per_mechanism
-def _lists(_: Mechanism) -> dict[object, LinkageTrace]:
-    """Lists of operations of a mechanism by the numbers that vary and the signals."""
-    return {}
-
-
-@once_per_mechanism
 def _zeros_of_s(_: Mechanism) -> dict[object, Curve]:
     """Where S counts from in designs of a mechanism that were asked for of late, by their numbers."""
     return {}
@@ -181,10 +175,7 @@ class _Design:
 
     def _list(self, signals: Iterable[str]) -> LinkageTrace:
         """The list of operations of signals, of S the output's coordinate."""
-        lists, key = _lists(self.mechanism), (tuple(self.parameters), tuple(map(sampled_source, signals)))
-        if key not in lists:
-            lists[key] = linkage_trace(self.mechanism, *key)
-        return lists[key]
+        return linkage_trace(self.mechanism, self.parameters, tuple(map(sampled_source, signals)))
 
     def _given(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:
         """Values of the inputs of a list by line, at crank angles, rad."""
