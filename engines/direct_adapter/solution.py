@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from analytic.description.law import FULL_TURN
@@ -199,11 +200,12 @@ def history(time: Array, blocks: Sequence[Solution], joints: Iterable[str], chan
 # Engineering 1, 1972), and Newton's method removes it from every pose that is used.
 
 
-RELATIVE, ABSOLUTE = 1e-9, 1e-9  # of the integration, units and rad: near enough for Newton's method
+RELATIVE, ABSOLUTE = 1e-6, 1e-6  # of the integration, units and rad: near enough for Newton's method
 PULL = 4.0  # 1/rad, at which a violation of the joints fades
 LONGEST = FULL_TURN / 16.0  # rad or units, between two poses of which one could be in another assembly mode
 EVALUATIONS = 5000  # a turn; an integration that needs more has come to a stop, where steps shrink without end
-RETURNED = 1e-6  # units and rad between the two ends of a full turn
+FINEST, PARTS = 1e-4, 33  # rad or units, to which a place that is not passed is found; of a step that is looked into
+RETURNED = 1e-5  # units and rad between the two ends of a full turn
 
 
 @dataclass(frozen=True)
@@ -281,13 +283,24 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
     solution = solve_ivp(
         rate, span, at_start, "DOP853", dense_output=True, max_step=LONGEST, rtol=RELATIVE, atol=ABSOLUTE
     )
-    places = solution.t
-    matrices = equations.jacobian(equations.arms(_pose(equations, solution.y.T, places)))
-    # Between two matrices on a line there is a singular one where one over the other has a negative eigenvalue: several
-    # groups that cross at once leave the determinant its sign. What is repeated need not come out real.
-    crossing = np.any(np.linalg.eigvals(np.linalg.solve(matrices[:-1], matrices[1:])).real < 0.0, axis=1)
-    last = places[int(np.argmax(crossing))] if np.any(crossing) else places[-1]
-    return float(last), lambda coordinate: np.asarray(solution.sol(coordinate).T)
+    places, last = solution.t, float(solution.t[-1])
+    while np.any(crossing := _crossings(equations, _pose(equations, solution.sol(places).T, places))):
+        first = int(np.argmax(crossing))
+        last = float(places[first])
+        if abs(places[first + 1] - last) < FINEST:
+            break
+        places = np.linspace(last, places[first + 1], PARTS)
+    return last, lambda coordinate: np.asarray(solution.sol(coordinate).T)
+
+
+def _crossings(equations: Equations, pose: Pose) -> NDArray[np.bool_]:
+    """Between which of some poses (n,) and the next the path crosses another one, (n - 1,).
+
+    Between two matrices on a line there is a singular one where one over the other has a negative eigenvalue: several
+    groups that cross at once leave the determinant its sign. What is repeated need not come out real.
+    """
+    matrices = equations.jacobian(equations.arms(pose))
+    return np.asarray(np.any(np.linalg.eigvals(np.linalg.solve(matrices[:-1], matrices[1:])).real < 0.0, axis=1))
 
 
 def _pose(equations: Equations, gain: Reals, coordinate: Reals) -> Pose:
