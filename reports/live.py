@@ -140,8 +140,9 @@ def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> 
     label = f"{sheet.linkage.title or sheet.name} in motion"
     if isinstance(model, str):
         mechanism = Mechanism(sheet.linkage)
-        data = {**_sampled(sheet, mechanism), **_drawing_data(mechanism), "pulls": {}}
-        return Widget("live", "live", label, data, {"model": _samples(sheet, mechanism)}, instead=instead)
+        further, columns = _samples(sheet, mechanism)
+        data = {**_sampled(sheet, mechanism), **_drawing_data(mechanism), "pulls": {}, "further": further}
+        return Widget("live", "live", label, data, {"model": {"samples": columns}}, instead=instead)
     data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
     return Widget("live", "live", label, data, {"model": model.program}, instead=instead)
 
@@ -172,16 +173,29 @@ def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-def _samples(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
-    """φ and the results at instants evenly spaced in time, packed; poses follow from φ."""
+def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, Any]]:
+    """φ, the results and what arrows show at instants evenly spaced in time, packed; the names of the last.
+
+    Poses follow from φ.
+    """
     order = np.argsort(sheet.values["time"])
     known = {name: values[order] for name, values in sheet.values.items()}
     turns = float(np.sum(np.abs(np.diff(known["phi"])))) / FULL_TURN
     names = results(mechanism)
     count = min(max(FEWEST, PER_TURN * turns), MOST, MOST_NUMBERS / len(names))
     time = np.linspace(known["time"][0], known["time"][-1], int(count))
-    phi = np.interp(time, known["time"], known["phi"])
+    phi, omega, epsilon = (np.interp(time, known["time"], known[name]) for name in ("phi", "omega", "epsilon"))
     sweep = mechanism.sweep(phi)
+    arrows: dict[str, Array] = {}
+    for point in {name.split(":")[1]: None for name in names if name.startswith("point:")}:
+        first, second = (np.asarray(sweep.point(point, order)) for order in (1, 2))
+        arrows |= _pair(f"velocity:{point}", first * omega)
+        arrows |= _pair(f"acceleration:{point}", second * omega**2 + first * epsilon)
+    for n, load in enumerate(mechanism.linkage.forces):
+        x, y = sweep.load(load.force, omega)
+        angle = 0.0 if load.frame == GROUND else sweep.angles(load.frame)
+        c, s = np.cos(angle), np.sin(angle)
+        arrows |= _pair(f"load:{n}", np.broadcast_to(np.array([c * x - s * y, s * x + c * y]), (2, len(phi))))
 
     def curve(name: str) -> Array:
         kind, _, rest = name.partition(":")
@@ -191,7 +205,11 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
             return np.asarray(sweep.point(rest[:-2])["xy".index(rest[-1])])
         return np.interp(time, known["time"], known[name])
 
-    return {"samples": packed(phi, *(curve(name) for name in names))}
+    return list(arrows), packed(phi, *(curve(name) for name in names), *arrows.values())
+
+
+def _pair(name: str, values: Array) -> dict[str, Array]:
+    return {f"{name}:{axis}": value for axis, value in zip("xy", values, strict=True)}
 
 
 def _numbers(model: Model) -> dict[str, Any]:
@@ -280,9 +298,13 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
         "cylinder": linkage.cylinder.points if linkage.cylinder else None,
         "joints": list(_joints(linkage)),
         "loads": [
-            {"number": n, "point": load.point, "force": load.force(0.0).tolist() if load.force.is_constant else None}
+            {
+                "number": n,
+                "point": load.point,
+                "frame": load.frame,
+                "force": load.force(0.0).tolist() if load.force.is_constant else None,
+            }
             for n, load in enumerate(linkage.forces)
-            if load.frame == GROUND
         ],
         "output": linkage.output.point if linkage.output else "",
         "crank": linkage.crank,

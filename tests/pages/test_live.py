@@ -218,10 +218,26 @@ def test_a_released_crank_has_the_same_page_without_handles(browser, tmp_path):
     treadle = Path(__file__).parents[1] / "linkages" / "designer" / "treadle.toml"
     done = linkproof("results", treadle, "--regime", "foot", "--out", tmp_path / "out", "--quiet")
     assert done.returncode == 0, done.stderr
+    truth = json.loads(linkproof("results", treadle, "--regime", "foot", "--json").stdout)["values"]
+
+    def most(kind):
+        ends = [
+            name.removesuffix("x")
+            for name in truth
+            if re.match(f"{'point' if kind else 'joint_force'}:.*:{kind}x$", name)
+        ]
+        return max(np.max(np.hypot(truth[f"{end}x"], truth[f"{end}y"])) for end in ends)
+
     with at_work(browser, tmp_path / "out" / "index.html", width=WIDTHS[1]) as seen:
         values = seen.page.locator(".live-curves b")
         place = seen.page.get_by_role("slider", name="t")
         before = values.all_inner_texts()
+        for box in seen.page.locator(".live-arrows").get_by_role("checkbox").all():
+            box.check()
+        longest = re.findall(r"(\w+) ([\d.]+) \S+[,.](?: |$)", seen.page.locator(".live-arrows").inner_text())
+        assert {kind: float(value) for kind, value in longest} == pytest.approx(
+            {"loads": 70.3, "velocity": 1e3 * most("v"), "acceleration": 1e3 * most("a"), "forces": most("")}, rel=5e-3
+        )  # in the file's mm; the load's spline overshoots the 60 N of its table
         place.evaluate("one => { one.value = 900; one.dispatchEvent(new Event('input')); }")
         assert sum(one != other for one, other in zip(before, values.all_inner_texts(), strict=True)) > 8
         assert seen.page.locator(".grip").count() == 0

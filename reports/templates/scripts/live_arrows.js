@@ -3,7 +3,8 @@
 linkproof.liveArrows = (data, model, scheme) => {
   const LONG = 80, FACTORS = [[0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]]; // px
   const { make, choice, toggles, swatch } = linkproof.controls, { length, joints } = data;
-  const loads = data.loads.filter(({ number, force: own }) => own || data.laws?.some((law) => law.load === number));
+  const { isSampled } = data;
+  const loads = data.loads.filter(({ number, force: own }) => isSampled || own || data.laws.some((law) => law.load === number));
   const points = [...new Set(data.results.map(({ name }) => /^point:(.*):x$/.exec(name)?.[1]).filter(Boolean))];
   const at = (over, name, i) => over.found[model.places.get(name) * over.times.length + i];
   const along = (name, over, i) => ["x", "y"].map((axis) => at(over, `${name}:${axis}`, i));
@@ -21,16 +22,24 @@ linkproof.liveArrows = (data, model, scheme) => {
   const force = data.results.find(({ name }) => name.startsWith("joint_force:"));
   const { unit, size } = force ?? { unit: "N", size: 1 };
   const inJoints = (over, i) => joints.map(({ name, point }) => [point, along(`joint_force:${name}`, over, i)]);
-  const outside = (over, i, design) => loads.map((one) => [one.point, model.load(one.number, one.force, over.phi[i], design)]);
+  const sampled = (kind) => (over, i) => points.map((point) => [point, along(`${kind}:${point}`, over, i)]);
+  /** A load in the ground's frame, of which a link's own goes with it. */
+  function outside(over, i, design) {
+    return loads.map(({ number, point, frame, force: own }) => {
+      if (isSampled) return [point, along(`load:${number}`, over, i)];
+      const [x, y] = model.load(number, own, over.phi[i], design), turn = frame === "ground" ? 0 : at(over, `link:${frame}:angle`, i);
+      return [point, [x * Math.cos(turn) - y * Math.sin(turn), x * Math.sin(turn) + y * Math.cos(turn)]];
+    });
+  }
+  const moved = (kind, order) => (isSampled ? sampled(kind) : (...where) => differences(order, ...where));
   const kinds = {
     "joint forces": { ink: "c1", unit, size, list: inJoints },
     loads: { ink: "c3", unit, size, list: outside },
-    velocity: { ink: "c2", unit: `${length.unit}/s`, size: length.size, list: (...where) => differences(1, ...where) },
-    acceleration: { ink: "c4", unit: `${length.unit}/s²`, size: length.size, list: (...where) => differences(2, ...where) },
+    velocity: { ink: "c2", unit: `${length.unit}/s`, size: length.size, list: moved("velocity", 1) },
+    acceleration: { ink: "c4", unit: `${length.unit}/s²`, size: length.size, list: moved("acceleration", 2) },
   };
   if (!force) delete kinds["joint forces"];
   if (!loads.length) delete kinds.loads;
-  if (data.isSampled) ["loads", "velocity", "acceleration"].forEach((name) => delete kinds[name]);
   let longest = {}, redrawn = () => {};
 
   const [shown, set] = toggles("Arrows", Object.keys(kinds), () => false, (name) => swatch(kinds[name].ink), () => redrawn());

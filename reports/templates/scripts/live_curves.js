@@ -21,7 +21,8 @@ linkproof.liveCurves = (data, model, before, pointed) => {
     ["power Peq", ["Peq"]], ["energy Teq", ["Teq"]], [motion.linear ? "mass Jeq" : "inertia Jeq", ["Jeq"]],
     ["joint forces", these("joint_force:", ":magnitude")], ["shaking force", ["shaking_force:magnitude"]],
     ["shaking moment", ["shaking_moment"]], ["transmission angle", these("transmission_angle:")],
-  ].filter(([, rows]) => rows.length && names.includes(rows[0])).map(chart);
+  ].filter(([, rows]) => rows.length && names.includes(rows[0]) && !(data.isSampled && rows.every((row) => !largest(row))))
+    .map(chart);
   let colours = linkproof.colours(), font = "";
 
   function chart([title, rows], number) {

@@ -304,7 +304,8 @@ linkproof.liveModel = (formulas, data) => {
 
 // The same of a linkage whose motion is known at samples alone: nothing changes, and peaks are those of the samples.
 linkproof.sampledModel = ({ samples }, data) => {
-  const { results, motion } = data, places = new Map(results.map((one, k) => [one.name, k])), moving = results.length;
+  const { results, further, motion } = data, names = [...results.map(({ name }) => name), ...further];
+  const places = new Map(names.map((name, k) => [name, k])), moving = names.length;
   const [phi, ...columns] = linkproof.unpacked(samples).map((one) => Float64Array.from(one, (value) => value ?? NaN));
   const count = phi.length, { duration } = motion, found = new Float64Array((moving + 1) * count).fill(1);
   columns.forEach((column, k) => found.set(column, k * count));

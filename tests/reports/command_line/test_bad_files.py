@@ -215,3 +215,9 @@ def test_pages_that_cannot_be_written_are_an_error_after_the_results(monkeypatch
 
 def test_a_figure_without_a_name_is_refused(folder):
     assert "--figure needs a file" in refused("results", "juki-mf7923d", "--figure", "")
+
+
+def test_a_home_that_cannot_be_written_is_no_news(tmp_path):
+    home = {"HOME": "/proc", "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+    done = process("check", "juki-mf7923d", "--save", tmp_path / "scheme.svg", **home)
+    assert (done.returncode, done.stderr) == (0, f"wrote {tmp_path / 'scheme.svg'}\n")
