@@ -373,6 +373,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         sketch=_sketch(reader),
         sketch_angle=document.sketch.angle,
         gravity=document.gravity,
+        fluctuation=document.fluctuation,
         forces=forces(reader),
         torques=torques(reader),
         springs=springs(reader),

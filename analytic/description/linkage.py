@@ -333,6 +333,7 @@ class Linkage:
     text: str = field(default="", repr=False)
     cylinder: CylinderDrive | None = None
     friction: Mapping[str, JointFriction] = field(default_factory=dict)  # by point, sliding link or slot
+    fluctuation: float | None = None  # coefficient of fluctuation of the speed that a flywheel is wanted for
     scales_mass: bool = False
 
     @cached_property

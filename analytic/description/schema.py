@@ -255,6 +255,7 @@ class Document(TomlTable):
     crank: str = ""
     cylinder: CylinderTable | None = None
     gravity: Annotated[Pair, Kind.ACCELERATION] = (0.0, 0.0)
+    fluctuation: Annotated[float, Field(gt=0.0, lt=2.0, strict=True)] | None = None
     variant: str = "base"
     ground: dict[str, Place]
     links: dict[str, LinkTable]

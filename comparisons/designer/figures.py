@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import LARGEST, REGIMES, RPM, crank_motion
+from analytic.description.crank_motion import LARGEST, REGIMES, RPM, CrankMotion, Segment, crank_motion
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, ThreadPath
@@ -21,11 +21,13 @@ from analytic.description.units import conversion
 from analytic.designs.figures import STROKE, Figure, SignalExtreme, figures_named, part_figure
 from analytic.dynamics import reduced
 from analytic.dynamics.reduced import equilibria
+from analytic.dynamics.released import FreeMotion, last_turns
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import bottom_dead_centre, top_dead_centre
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
-from analytic.numerics.refine import extremes
+from analytic.numerics.averages import NODES, WEIGHTS
+from analytic.numerics.refine import extremes, highest
 from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, feed, moving_points, signal, table, unit
 from comparisons.designer.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 from comparisons.motion.case import Case, case_of_file_regime
@@ -47,7 +49,7 @@ DRIVE: Final[Mapping[str, Measure]] = {
     "peak power": lambda at: at.torque * at.speed,
     BRAKING: lambda at: -at.torque * at.speed,
 }
-TABLES: Final = ("drive", "forces", "moment", "transmission", "output", "thread")
+TABLES: Final = ("drive", "flywheel", "forces", "moment", "transmission", "output", "thread")
 LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
 
 
@@ -68,6 +70,7 @@ def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure,
     moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
     rows = (
         drive_figures(curves, peaks),
+        flywheel_figures(curves),
         force_figures(curves, peaks),
         _named_peaks(peaks, moment),
         _named_peaks(peaks, groups),
@@ -114,6 +117,53 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     yield curves.figure(f"RMS {force}", "Mkr", math.sqrt(square))
     sizes = [NEGLIGIBLE_MEAN * abs(peaks[name].value or 0.0) for name in LOAD]
     yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
+
+
+def flywheel_figures(curves: Curves) -> Iterator[SignalFigure]:
+    """The flywheel that the file's coefficient of fluctuation asks for, of a crank that goes on turning."""
+    wanted, speed = curves.linkage.fluctuation, _running_speed(curves)
+    if wanted and speed:
+        yield curves.figure(f"for a fluctuation of {wanted:g}", "Jeq", flywheel(curves.case, speed, wanted))
+
+
+def _running_speed(curves: Curves) -> float:
+    """The speed, rad/s, at which a crank goes on turning; 0 if it does not.
+
+    Of a released one it is the mean over φ of the last turn, which no flywheel changes.
+    """
+    motion = curves.case.motion
+    if curves.linkage.is_linear or not curves.case.mechanism.crank_range().is_full_turn:
+        return 0.0
+    if isinstance(motion, FreeMotion):
+        way = float(motion.angle(motion.duration) - motion.angle(0.0))
+        return last_turns(motion).mean_speed_over_angle if abs(way) > FULL_TURN else 0.0
+    return float(motion.speed(0.0)) if curves.instants.is_steady else 0.0
+
+
+def flywheel(case: Case, speed: float, fluctuation: float) -> float:
+    """Moment of inertia, kg m², to add on a crank that a constant torque drives at a mean ``speed``, rad/s.
+
+    It is exact for loads that do not depend on the speed: with w the work of the mean torque less that of the drive
+    from φ = 0 at constant speed, (J + Jeq) ω² = 2 w + Jeq ω₀² + C lies between its values at ω₀ (1 ∓ δ/2) everywhere
+    (F. Wittenbauer, Zeitschrift für Mathematik und Physik 50, 1904). 0 where none is needed.
+    """
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - what wants no flywheel does not pay for it
+
+    cycle = case.mechanism.cycle / abs(speed)
+    steady = Curves(replace(case, motion=CrankMotion("", (Segment(0.0, cycle, (0.0, speed)),))))
+    time, (mean,) = steady.grid, steady.means(lambda at: at.torque * at.speed)
+    cells, nodes = np.diff(time), NODES[:, None]
+    inner = steady.truth_at((time[:-1] + cells * nodes).ravel())
+    gained = cells * (mean - WEIGHTS @ (inner.torque * inner.speed).reshape(len(nodes), -1))
+    excess = np.append(0.0, np.cumsum(gained))
+    work = CubicHermiteSpline(time, excess, mean - steady.on_grid.torque * steady.on_grid.speed)
+
+    def bounds(at: Array) -> Array:
+        energy = 0.5 * speed**2 * signal(steady.truth_at(at), "Jeq")
+        return np.stack([s * (work(at) + energy * (1.0 - (1.0 + 0.5 * s * fluctuation) ** 2)) for s in (1.0, -1.0)])
+
+    (high, low), _ = highest(bounds, time, bounds(time))
+    return max(float(high + low) / (fluctuation * speed**2), 0.0)
 
 
 def _friction_at(curves: Curves, time: float) -> tuple[Array, Array]:

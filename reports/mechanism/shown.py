@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 # Of a table of key figures the heads of what they are, and of the numbers side by side; an output's have a unit each.
 HEADS: Final = {
     "drive": (("drive",), ("torque", "speed", "power")),
+    "flywheel": (("flywheel",), ("",)),
     "forces": (("joint", "on"), ("force", "direction")),
     "moment": (("shaking moment",), ("",)),
     "transmission": (("group",), ("least transmission angle",)),
@@ -136,6 +137,7 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
     """Key figures besides those of the drive."""
+    yield from (replace(row, what=f"flywheel {row.what}") for row in sheet.figures["flywheel"])
     yield from (row for row in sheet.figures["output"] if row.signal in "va" or row.what == "stroke")
     forces = [row for row in sheet.figures["forces"] if row.unit == "N"]
     joints = [force for force in forces if force.what != SHAKING]

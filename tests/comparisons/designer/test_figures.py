@@ -6,14 +6,17 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_simpson, simpson
+from scipy.optimize import brentq
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
 from analytic.description.loading import load
+from analytic.dynamics.reduced import generalised_force, reduced_inertia
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import signal
 from comparisons.designer.curves import Instants
-from comparisons.designer.figures import BRAKING, MEAN
+from comparisons.designer.figures import BRAKING, MEAN, flywheel
 from comparisons.motion.case import Case
 from linkproof import sweep
 from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism
@@ -221,3 +224,22 @@ def test_a_crank_that_stands_still_takes_the_torque_that_holds_the_weights(tmp_p
     assert not np.any([found["values"][name] for name in ("omega", "epsilon", "Peq")])
     released = linkproof("results", file, "--speed", "0", "--regime", "go")
     assert (released.returncode, "holds the crank, and the regime releases it" in released.stderr) == (2, True)
+
+
+def test_a_flywheel_holds_the_fluctuation_of_a_crank_under_a_constant_torque():
+    """Of a pendulum ΔW/(δ ω²) less its own inertia; a piston engine under a load is followed by energies."""
+    from_pendulum = flywheel(Case(from_text(PENDULUM), TURN), 10.0, 0.05)
+    assert from_pendulum == pytest.approx(2.0 * 9.81 / (0.05 * 10.0**2) - (0.1 + 2.0 * 0.25), rel=1e-12)
+    load = 'forces = [{ point = "B", link = "piston", force = [-300, 0] }]\n[links.crank]'
+    machine, wanted = from_text(piston_text().replace("[links.crank]", load)), 0.3
+    needed = flywheel(Case(machine, TURN), -SPEED, wanted)
+    phi = np.linspace(0.0, 2.0 * np.pi, 20001)
+    sweep = machine.sweep(phi)
+    moment, inertia = generalised_force(sweep), reduced_inertia(sweep) + needed
+    work = cumulative_simpson(moment - simpson(moment, x=phi) / (2.0 * np.pi), x=phi, initial=0.0)
+
+    def speeds(start):
+        return np.sqrt(2.0 * (start + work) / inertia)
+
+    middle = brentq(lambda start: np.max(speeds(start)) + np.min(speeds(start)) - 2.0 * SPEED, -np.min(work), 1e6)
+    assert np.ptp(speeds(middle)) / SPEED == pytest.approx(wanted, rel=1e-7)
