@@ -28,7 +28,7 @@ FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MAP = "sweep rimoldi-164 --vary rod.B.x=165:185:81 --vary rocker.B.x=19:24:81 --quantity Mkr.peak --quantity stroke"
 COMMANDS = {  # by picture: the page that shows the command's files, and the command
     "results.svg": ("README.md", "results mine.toml"),
-    "first-linkage.svg": ("docs/first-linkage.md", "check pump.toml"),
+    "pump.svg": ("docs/linkage-files.md", "check pump.toml"),
     "sweep.svg": ("docs/designs.md", MAP),
 }
 DRAWING = "plot => Plotly.toImage(plot, { format: 'svg', width: 1100, height: 560 })"

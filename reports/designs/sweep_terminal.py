@@ -6,7 +6,6 @@ import csv
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -128,9 +127,6 @@ def write_csv(study: SweepStudy, path: Path) -> None:
 
 
 def netcdf(dataset: xarray.Dataset) -> bytes:
-    """The dataset as a netCDF file; HDF5 writes only files with a name."""
+    """The dataset as a netCDF file."""
     names = {name: str(name).replace("/", SLASH) for name in dataset.variables if "/" in str(name)}
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "sweep.nc"
-        dataset.rename(names).to_netcdf(file, engine="h5netcdf")
-        return file.read_bytes()
+    return bytes(dataset.rename(names).to_netcdf(engine="scipy"))
