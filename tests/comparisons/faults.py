@@ -12,8 +12,6 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from engines.contract import Abilities, Outcome, Run
-
 LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits at most
 
 
@@ -62,11 +60,6 @@ def leave_at_once(value):
 
 def leave(value):
     sys.exit(value)
-
-
-def spin(_):
-    while True:
-        pass
 
 
 def swell(_):
@@ -162,54 +155,6 @@ def fork_and_sleep(path):
     child = subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LONG})"])
     Path(path).write_text(str(child.pid))
     time.sleep(LONG)
-
-
-class _Faulty:
-    """An engine that does one thing when it is run."""
-
-    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
-    is_control = False
-    work_unit = "steps"
-
-    def version(self):
-        return "1.0"
-
-    def run(self, scene, setting):
-        job(self.act, self.value)
-        return Run(Outcome.DIVERGED, "did nothing")
-
-    def methods(self, scene):
-        return ()
-
-    def run_method(self, scene, method, step):
-        return self.run(scene, None)
-
-
-def _faulty(title, act, value=None):
-    return type(title.title(), (_Faulty,), {"name": title, "act": act, "value": value})
-
-
-ENGINES = {
-    title: _faulty(title, *does)
-    for title, does in {
-        "aborting": ("abort",),
-        "hanging": ("spin",),
-        "leaving": ("leave", 3),
-        "raising": ("fail",),
-        "swelling": ("swell",),
-        "writing": ("write",),
-    }.items()
-}
-Aborting, Hanging, Leaving, Raising, Swelling, Writing = ENGINES.values()
-
-
-def announce_engines(folder):
-    """Have a distribution in this folder announce the faulty engines to whoever has it on the path."""
-    announce(
-        folder,
-        "faulty-engines",
-        {title: f"tests.comparisons.faults:{kind.__name__}" for title, kind in ENGINES.items()},
-    )
 
 
 def announce(folder, package, entries):

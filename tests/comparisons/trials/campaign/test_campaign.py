@@ -1,7 +1,6 @@
 """A campaign judges the runs of engines, and a failure costs one run only."""
 
 import dataclasses
-import sys
 
 import numpy as np
 import pytest
@@ -17,11 +16,14 @@ from comparisons.trials.campaign import campaign as module
 from comparisons.trials.campaign.campaign import CampaignRequest, compare, sheets
 from comparisons.trials.judging import quantities
 from comparisons.trials.judging.records import Verdict
-from comparisons.trials.runs.run_engine import GIB, Bounds
 from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
+from engines.registry import engine, own_names, why_unavailable
 from engines.scene import Channel
-from tests.comparisons.faults import Clock, announce_engines, fail
+from reports.api.campaign import request
+from reports.api.options import CompareOptions
+from tests.analytic.linkages import FOLDER
+from tests.analytic.swinging import double_rocker_text
 from tests.comparisons.true_motions import cut, perfect_motion
 
 JUKI = load("juki-mf7923d")
@@ -33,11 +35,6 @@ COUPLER = dataclasses.replace(JUKI.links["coupler"], points={"A": (0.0, 0.0), "D
 SHORT = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": COUPLER}, sketch_angle=np.pi / 2)
 SWING = ReleasedRegime("swing", torque=0.0, start_angle=1.5, start_speed=1.0, duration=0.004)
 PART = crank_motion("constant-speed", speed=1.0, ramp_time=0.2, hold_time=0.0, start_angle=1.4)
-
-RAISED = (
-    "the adapter of raising raised ValueError: first line second line (tests/comparisons/faults.py, line "
-    f"{fail.__code__.co_firstlineno + 1})"
-)
 
 
 BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
@@ -290,36 +287,6 @@ def test_runs_in_workers_are_the_same_in_the_same_order_and_announced(made_here)
     assert {total for *_, total in heard} == {len(labels)} == {len(made_here)}
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
-def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
-    announce_engines(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    faulty = ("aborting", "leaving", "raising", "swelling", "writing", "hanging")
-    motions, settings = BRIEF[:1], (Setting.TUNED,)
-    request = CampaignRequest((JUKI,), motions, "brief", ("direct", *faulty), settings)
-    clock = Clock()
-    monkeypatch.setattr("pebble.pool.process.time", clock)
-
-    def begun(label, *_):
-        clock.rate = 1000.0 if "hanging" in label else clock.rate
-
-    results = list(compare(request, begun, bounds=Bounds(memory=GIB // 4), pool=LocalPool(1)))
-    found = {result.engine: {(r.outcome, r.detail) for r in result.errors} for result in results}
-    assert list(found) == list(request.engines)
-    assert found == {
-        "direct": {("passed", "")},
-        "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
-        "hanging": {("timed-out", "took longer than 600 s")},
-        "leaving": {("crashed", "exited with code 3")},
-        "raising": {("adapter-error", RAISED)},
-        "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
-        "writing": {("diverged", "did nothing")},
-    }
-    assert {result.engine_version for result in results[1:]} == {"1.0"}
-    assert len({len(result.errors) for result in results}) == 1
-    assert capfd.readouterr() == ("", "")
-
-
 NAMES = ("slotted-takeup", "juki-mf7923d")
 LINKAGES = tuple(load(name) for name in NAMES)
 SHEETS = LINKAGES, (crank_motion("run-up", speed=500 * RPM),), ("free",)
@@ -343,3 +310,100 @@ def test_a_sheet_that_fails_costs_no_other(monkeypatch):
     assert "a fault of the suite" in lost.missing["values"]
     assert (lost.name, lost.linkage) == ("juki-mf7923d", LINKAGES[1])
     assert whole.values
+
+
+# Swings, torques over time or angle, and cylinders: engines within their limits, and refusals with the reach.
+
+
+REGIMES = """
+[regimes.rocking]
+from = 65
+to = -10
+time = 0.3
+law = "cycloidal"
+back = true
+dwell = 0.1
+
+[regimes.servo]
+time  = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
+angle = [40, 41, 45, 52, 59, 63, 64]
+"""
+OTHERS = [name for name in own_names() if name != "direct" and why_unavailable(engine(name)) is None]
+ENGINES = ["direct", *(pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS)]
+
+
+@pytest.fixture
+def rocker(tmp_path):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=REGIMES))
+    return str(path)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
+    choice = CompareOptions(mechanisms=(rocker,), engine=(name,), regime=("rocking", "servo"))
+    results = list(compare(request(choice), pool=LocalPool(0)))
+    assert [result.regime for result in results] == ["rocking", "servo"]
+    for result in results:
+        verdicts = {record.quantity: record.outcome for record in (*result.errors, *result.invariants)}
+        assert {verdicts[quantity] for quantity in ("S", "v", "a", "Mkr", "Jeq")} == {Verdict.PASSED}
+        assert not set(verdicts.values()) & {Outcome.DIVERGED, Verdict.OVER_LIMIT}
+        shared = {record.quantity: record.shared for record in result.errors}
+        assert shared["S"] == ""
+
+
+RELEASED = """
+[regimes.timed]
+torque = [0.0, 1.0, -1.0]
+time = [0.004, 0.008, 0.016]
+start_angle = 30
+duration = 0.02
+
+[regimes.angled]
+torque = [1.5, 2.5, 1.0]
+angle = [-60, 0, 60]
+start_angle = 30
+duration = 0.02
+"""
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=RELEASED))
+    choice = CompareOptions(
+        mechanisms=(str(path),), engine=(name,), regime=("own",), quantity=("phi", "omega", "S", "a")
+    )
+    for result in compare(request(choice), pool=LocalPool(0)):
+        outcomes = {record.outcome for record in result.errors}
+        if outcomes == {Verdict.UNSUPPORTED}:
+            assert result.regime == "angled" or not engine(name).abilities.timed_torque
+        else:
+            assert outcomes == {Verdict.PASSED}
+
+
+LINEAR = """
+[regimes.lift]
+from = 260
+to = 500
+speed = 800
+law = "modified-sine"
+back = true
+
+[regimes.too-far]
+from = 260
+to = 600
+time = 1
+"""
+
+
+def test_a_cylinder_follows_a_law_in_millimetres(tmp_path):
+    path = tmp_path / "boom.toml"
+    path.write_text((FOLDER / "drives" / "boom.toml").read_text() + LINEAR)
+    choice = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("lift",))
+    (lift,) = compare(request(choice), pool=LocalPool(0))
+    assert lift.conditions.startswith("modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on")
+    assert {record.outcome for record in (*lift.errors, *lift.invariants)} == {Verdict.PASSED}
+    too_far = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("too-far",))
+    with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
+        list(compare(request(too_far), pool=LocalPool(0)))

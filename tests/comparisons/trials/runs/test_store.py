@@ -4,6 +4,7 @@ import os
 import random
 import signal
 import sqlite3
+import stat
 import subprocess
 import sys
 import tempfile
@@ -20,7 +21,7 @@ from typing_extensions import TypedDict
 
 from analytic.errors import LinkproofError
 from comparisons.trials.judging.records import ERRORS, NAMES, Error
-from comparisons.trials.runs.files import STORE
+from comparisons.trials.runs.files import STORE, check_writable, write_file
 from comparisons.trials.runs.store import (
     begin,
     has_study,
@@ -29,6 +30,9 @@ from comparisons.trials.runs.store import (
     temporary_runs,
     unfinished_command,
 )
+from comparisons.trials.runs.study import Study, Task
+from comparisons.trials.runs.workers import LocalPool
+from tests.comparisons.faults import job
 
 
 class Form(TypedDict):
@@ -266,3 +270,142 @@ def test_an_empty_folder_and_an_older_versions_are_refused_with_the_cure(tmp_pat
     (tmp_path / "bench" / "study.json").write_text("{}")
     with pytest.raises(LinkproofError, match="an older version of linkproof: run bench with --out again, into a new"):
         read(tmp_path)
+
+
+# A study makes its tasks once.
+
+
+TASKS = [Task(f"task {n}", ("fine", n), f"label {n}", weight=n) for n in (1, 3, 2)]
+
+
+def study(**changes):
+    def lost(loss, kind, value):
+        return f"{kind} {value}: {loss.outcome}"
+
+    codec = {"encode": lambda value: ({"value": value}, {}), "decode": lambda row, _: row["value"]}
+    return Study(**{"function": job, "lost": lost, **codec, "pool": LocalPool(0), **changes})
+
+
+def failing(*_):
+    pytest.fail("a task was made again")
+
+
+def test_several_processes_begin_with_the_heaviest(monkeypatch):
+    begun = []
+
+    def run(_, function, jobs, *__):
+        for number, arguments in enumerate(jobs):
+            begun.append(arguments[1])
+            yield number, function(*arguments)
+
+    monkeypatch.setattr(LocalPool, "run", run)
+    assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
+    assert begun == [3, 2, 1]
+
+
+def test_a_task_requested_twice_is_made_once():
+    made = []
+    twice = study(function=lambda kind, value: made.append(value) or value)
+    assert list(twice.in_order([*TASKS, TASKS[0]])) == [1, 3, 2, 1]
+    assert [task.key for task in twice.make(TASKS)] == []
+    assert sorted(made) == [1, 2, 3]
+
+
+def test_a_lost_task_may_count_as_never_begun():
+    dropping = study(lost=lambda *_: None)
+    assert list(dropping.make([Task("t", ("fail", None)), TASKS[0]])) == [TASKS[0]]
+    assert (dropping.has("t"), dropping.result(TASKS[0].key)) == (False, 1)
+
+
+def test_finished_tasks_are_not_made_again(tmp_path):
+    runs, _ = begin(tmp_path, "as tested", "command")
+    first = study(finished=runs)
+    next(first.make(TASKS))
+    assert runs.keys == ["task 1"]
+    heard = []
+    again = study(finished=runs, announce=lambda *words: heard.append(words))
+    assert list(again.in_order(TASKS)) == [1, 3, 2]
+    assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
+    assert list(study(finished=runs, function=failing).in_order(TASKS)) == [1, 3, 2]
+
+
+# Files appear whole or not at all.
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
+    path = tmp_path / "file.txt"
+    write_file(path, "old")
+
+    def fail(target):
+        target.write_text("half")
+        raise RuntimeError("power cut")
+
+    with pytest.raises(RuntimeError):
+        write_file(path, fail)
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["file.txt"]
+
+
+KILLED_WRITING = """
+import os, pathlib, signal, sys
+from comparisons.trials.runs.files import write_file
+def write(target):
+    target.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+write_file(pathlib.Path(sys.argv[1]), write)
+"""
+
+
+def test_a_kill_in_the_middle_leaves_the_old_file_and_litter_that_the_next_write_removes(tmp_path):
+    path = tmp_path / "picture.svg"
+    write_file(path, "old")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run([sys.executable, "-c", KILLED_WRITING, str(path)], env=environment, check=False)
+    assert done.returncode == -signal.SIGKILL
+    (litter,) = {*tmp_path.iterdir()} - {path}
+    assert (path.read_text(), litter.read_text()) == ("old", "half")
+    (tmp_path.parent / "precious").write_text("mine")
+    litter.unlink()
+    litter.symlink_to(tmp_path.parent / "precious")
+    write_file(path, "new")
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("picture.svg", "new")]
+    assert (tmp_path.parent / "precious").read_text() == "mine"
+
+
+def test_a_link_stays_and_its_target_is_replaced(tmp_path):
+    (tmp_path / "old").write_text("old")
+    for link, target in (("link", "old"), ("dangling", "new")):
+        (tmp_path / link).symlink_to(target)
+        check_writable(tmp_path / link)
+        write_file(tmp_path / link, "text")
+        assert (tmp_path / link).is_symlink()
+        assert (tmp_path / target).read_text() == "text"
+    (tmp_path / "loop").symlink_to("loop")
+    for attempt in (check_writable, lambda path: write_file(path, "text")):
+        with pytest.raises(LinkproofError, match=r"cannot write .*loop"):
+            attempt(tmp_path / "loop")
+    assert (tmp_path / "loop").is_symlink()
+    assert len(list(tmp_path.iterdir())) == 5
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_what_is_no_file_is_refused_and_stays(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    for path in (tmp_path / "pipe.csv", tmp_path):
+        for attempt in (check_writable, lambda path: write_file(path, "text")):
+            with pytest.raises(LinkproofError, match=r"cannot write .*expected a file"):
+                attempt(path)
+    assert stat.S_ISFIFO((tmp_path / "pipe.csv").stat().st_mode)
+    assert [p.name for p in tmp_path.iterdir()] == ["pipe.csv"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+def test_a_new_file_follows_the_umask_and_an_old_one_keeps_its_permissions(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write_file(tmp_path / "new", "text")
+    finally:
+        os.umask(before)
+    (tmp_path / "own").touch(mode=0o600)
+    write_file(tmp_path / "own", "text")
+    assert [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("new", "own")] == [0o640, 0o600]

@@ -1,7 +1,9 @@
 """Conditions become scenes; a cell is run by its key in any engine, as JSON and back; a map with its borders."""
 
 import dataclasses
+import math
 from dataclasses import fields, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,18 +11,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.description import changes
+from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.motion.case import Case, case_of_file_regime
+from comparisons.trials.invariants.checks import checks
+from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs import environment
 from comparisons.trials.runs.run_engine import Failure, Lost
-from comparisons.trials.runs.store import temporary_runs
+from comparisons.trials.runs.store import save_study, temporary_runs
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress import campaign
 from comparisons.trials.stress import cells as stress
-from comparisons.trials.stress.campaign import make_cells
+from comparisons.trials.stress.campaign import KIND, PRECISE, SMALLEST, borders, make_cells, save
 from comparisons.trials.stress.cells import (
     RELEASED,
     Conditions,
@@ -33,12 +39,13 @@ from comparisons.trials.stress.cells import (
     run_cell,
     scene,
 )
-from comparisons.trials.stress.verdict import Cell, StressVerdict
-from engines.contract import Abilities, Method, Outcome, Run
+from comparisons.trials.stress.verdict import WRONG, Cell, StressVerdict, wrong_signals
+from engines.contract import Abilities, Method, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel
-from tests.comparisons.true_motions import true_history, with_signal
+from tests.comparisons.true_motions import EVERYTHING, alarms, cell, cut, judgement, true_history, with_signal
+from tests.reports.made_up_stress import made_up_cell, made_up_stress
 
 EVERY = [(axis, row) for axis in axes().values() for row in axis.rows]
 STRETCH = 1e4  # times the easy value: beyond it a released motion is only slow to integrate
@@ -276,21 +283,7 @@ def test_an_engine_that_raises_costs_its_own_cell(with_engine):
     found = {one.value: one for one in stress_test(quick=True).cells}
     assert found[1.0].verdict is StressVerdict.WITHIN
     assert found[1e4].verdict is StressVerdict.ADAPTER_ERROR
-    assert "RuntimeError: singular (tests/comparisons/trials/stress/test_cells.py, line " in found[1e4].reason
-
-
-def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monkeypatch):
-    with_engine(Perfect())
-
-    def failing(*_):
-        raise TypeError("a slip in the judge")
-
-    monkeypatch.setattr(stress, "judged", failing)
-    verdicts = {(one.verdict, one.reason) for one in stress_test(quick=True).cells}
-    ((verdict, reason),) = verdicts
-    assert verdict is StressVerdict.SUITE_ERROR
-    assert reason.startswith("this is a fault of linkproof: TypeError: a slip in the judge (comparisons/")
-    assert "a slip in the judge" in reason
+    assert "RuntimeError: singular (tests/comparisons/trials/stress/test_stress.py, line " in found[1e4].reason
 
 
 def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, monkeypatch):
@@ -308,3 +301,267 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([find_cell("units/length/1000/direct/tuned")])
     assert found.verdict is StressVerdict.WITHIN
+
+
+# The faults of a motion, and the verdict that follows.
+
+
+@cache
+def usual(name="juki-mf7923d", regime="run-up-quintic"):
+    return Case(Mechanism(load(name)), crank_motion(regime))
+
+
+def found(one, history):
+    return wrong_signals(one, ObservedMotion(one.scene(EVERYTHING), history))
+
+
+@pytest.mark.parametrize(("name", "regime"), [("juki-mf7923d", "run-up"), ("slotted-takeup", "constant-speed")])
+def test_nothing_is_wrong_of_the_truth(name, regime):
+    one = usual(name, regime)
+    assert found(one, true_history(one, 301)) == []
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+@pytest.mark.parametrize("own", [False, True])
+def test_a_joint_force_that_is_off_is_wrong(share, own):
+    linkage = load("slotted-takeup")
+    one = case_of_file_regime(Mechanism(linkage), linkage.regimes[0]) if own else usual("slotted-takeup")
+    history = true_history(one, 3001 if own else 301)
+    joint, force = next(iter(history.joint_force.items()))
+    values = force.values.copy()
+    values[150] += share * WRONG * np.max(np.hypot(*values.T)) * np.array([0.6, 0.8])
+    changed = replace(history, joint_force={**history.joint_force, joint: Signal(force.time, values)})
+    assert [words.partition(" off by")[0] for words in found(one, changed)] == [f"force in joint '{joint}'"] * (
+        share > 1.0
+    )
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+@pytest.mark.parametrize(("name", "words"), [("position", "place"), ("velocity", "velocity")])
+def test_one_body_off_is_named_beyond_the_limit_alone(name, words, share):
+    one = usual()
+    history = true_history(one, 301)
+    names = [body.name for body in one.scene(EVERYTHING).bodies]
+
+    def change(values, _):
+        arm = 0.0416  # the coupler's to its farther pin, m
+        peak = arm if name == "position" else np.max(np.hypot(*values[:, :, :2].T))
+        values[150, names.index("needle_bar"), 1] += share * WRONG * peak
+        return values
+
+    said = found(one, with_signal(history, name, change))
+    assert bool(said) is (share > 1.0)
+    assert all(sentence.startswith(f"{words} of body 'needle_bar' off by 0.02 of the") for sentence in said)
+
+
+def test_torque_at_an_acceleration_jump_is_not_judged():
+    one = usual(regime="run-up")
+    history = true_history(one, 701)
+    at = int(np.argmin(np.abs(history.torque.time - 0.6)))
+
+    def spike(values, _):
+        values[at - 1 : at + 2] *= 10.0
+        return values
+
+    assert found(one, with_signal(history, "torque", spike)) == []
+
+
+def test_what_is_missing_is_wrong_too():
+    one = usual(regime="constant-speed")
+    history = true_history(one, 301)
+    assert any("no samples" in words for words in found(one, cut(history, lambda t: np.abs(t - 0.35) > 0.05)))
+    assert found(one, cut(history, lambda t: (t > 0.0) & (t < t[-1]))) == []
+
+
+def test_the_angle_of_a_mass_at_a_pin_means_nothing():
+    one = usual("slotted-takeup")
+    names = [body.name for body in one.scene(EVERYTHING).bodies]
+    history = true_history(one, 301)
+
+    def turned(values, _):
+        values[:, names.index("slot_slider"), 2] = 17.0
+        return values
+
+    assert found(one, with_signal(history, "position", turned)) == []
+
+
+def scaled(name, factor):
+    return with_signal(true_history(usual(), 601), name, lambda values, _: factor * values)
+
+
+def test_the_truth_is_within_every_limit():
+    found = judgement(usual(), true_history(usual(), 601))
+    assert (found.verdict, found.reason, found.wrong, alarms(found)) == (StressVerdict.WITHIN, "", "", ())
+    assert found.errors[0].error_max < found.errors[0].limit
+    assert found.invariants[0].error_max < found.invariants[0].limit
+
+
+def test_a_wrong_motion_is_caught_with_the_checks_that_flag_it():
+    found = judgement(usual(), scaled("torque", 1.5))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert found.wrong.startswith("drive torque off by 0.5 of the peak")
+    assert "Flagged: " in found.reason
+    assert "the torque is 0.33 of its peak away from what the motion takes at " in found.reason
+    assert {"torque_two_routes", "energy_balance"} <= set(alarms(found))
+
+
+def test_a_deviation_over_its_limit_that_is_no_wrong_motion_is_over_limit():
+    found = judgement(usual(), scaled("torque", 1.001))
+    assert found.verdict is StressVerdict.OVER
+    assert found.errors[0].quantity in ("Mkr", "Peq")
+    assert found.reason == f"{found.errors[0].quantity} off by 0.001 of its peak"
+
+
+def test_what_no_invariant_sees_is_missed(monkeypatch):
+    true_checks = checks
+
+    def blind(*arguments):
+        return tuple(check._replace(outcome="passed", error_max=0.0) for check in true_checks(*arguments))
+
+    monkeypatch.setattr("comparisons.trials.campaign.campaign.checks", blind)
+    found = judgement(usual(), scaled("torque", 1.5))
+    assert found.verdict is StressVerdict.MISSED
+    assert found.reason.endswith("No check flagged it")
+
+
+def test_an_invariant_that_fails_the_truth_is_an_alarm(monkeypatch):
+    true_checks, failed = checks, {"outcome": "over-limit", "error_max": 1.0}
+
+    def nervous(*arguments):
+        return tuple(
+            check._replace(**failed) if check.quantity == "energy_balance" else check
+            for check in true_checks(*arguments)
+        )
+
+    monkeypatch.setattr("comparisons.trials.campaign.campaign.checks", nervous)
+    found = judgement(usual(), true_history(usual(), 601))
+    assert (found.verdict, alarms(found)) == (StressVerdict.ALARM, ("energy_balance",))
+    assert found.reason.startswith("right, yet 1 of the energy scale has no source")
+
+
+def test_a_joint_over_its_limit_is_a_deviation_and_no_false_alarm():
+    """Open by 1.3e-4 of the shortest link, and every quantity within its limit."""
+    names = [body.name for body in usual().scene(EVERYTHING).bodies]
+
+    def opened(values, _):
+        values[:, names.index("coupler"), 0] += 2e-6
+        return values
+
+    found = judgement(usual(), with_signal(true_history(usual(), 601), "position", opened))
+    assert (found.verdict, alarms(found)) == (StressVerdict.OVER, ("joint_gap",))
+    assert found.reason.startswith("joint ")
+
+
+def test_a_reversal_has_the_limits_of_similar_motions():
+    turned = case(Conditions("juki-mf7923d", motion="reversal", hold_turns=0.5))
+    assert judgement(turned, true_history(turned, 901), "best").verdict is StressVerdict.WITHIN
+
+
+def test_the_limits_are_those_of_the_setting():
+    history = scaled("torque", 1.00003)
+    assert judgement(usual(), history, "tuned").verdict is StressVerdict.WITHIN
+    assert judgement(usual(), history, "best").verdict is StressVerdict.OVER
+
+
+def test_numbers_beyond_all_bounds_are_wrong_and_still_numbers():
+    found = judgement(usual(), with_signal(true_history(usual(), 601), "velocity", lambda values, _: 1e200 * values))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert np.isfinite(found.errors[0].error_max)
+    assert np.isfinite(found.invariants[0].error_max)
+
+
+# Borders are found to the precision asked for by as few runs as halving takes; a stress test is read back as saved.
+
+
+MASS = [10.0**power for power in range(-6, 7)]
+
+STRESS = made_up_stress()
+PLACE = {"row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
+CELL = made_up_cell(StressVerdict.OVER, axis="mass", value=1.0, **PLACE).data
+
+
+def result(value, verdict, axis="mass"):
+    return cell(value, axis=axis, engine="e", verdict=verdict)
+
+
+def world(*, above=math.inf, below=0.0, axis="mass"):
+    """Cells at values of an engine that is right between two values of the axis."""
+
+    def make(values):
+        verdicts = [StressVerdict.WITHIN if below < value < above else StressVerdict.CAUGHT for value in values]
+        return [result(value, verdict, axis) for value, verdict in zip(values, verdicts, strict=True)]
+
+    return make
+
+
+def narrowed(make, cells):
+    """The borders among cells, narrowed down, and how many cells that took."""
+    asked = 0
+    while wide := [border for border in borders(cells) if border.is_wide(PRECISE)]:
+        asked += len(wide)
+        cells = [*cells, *make([border.middle for border in wide])]
+    return borders(cells), asked
+
+
+@settings(max_examples=20)
+@given(above=st.floats(1.5, 9e5), below=st.floats(1.1e-6, 0.7))
+def test_both_borders_are_bracketed_to_a_tenth(above, below):
+    make = world(above=above, below=below)
+    assert len(borders(make(MASS))) == 2
+    found, asked = narrowed(make, make(MASS))
+    high, low = sorted(found, key=lambda one: -one.middle)
+    assert high.inside.value < above <= high.outside.value <= PRECISE * high.inside.value
+    assert low.outside.value <= below < low.inside.value <= PRECISE * low.outside.value
+    assert asked <= 2 * math.ceil(math.log2(math.log(10.0) / math.log(PRECISE)))
+
+
+@pytest.mark.parametrize("above", [math.inf, 0.5])
+def test_where_nothing_fails_or_the_easiest_value_does_there_is_no_border(above):
+    assert borders(world(above=above)(MASS)) == []
+
+
+def test_only_the_first_border_from_the_easy_value_counts():
+    verdicts = dict.fromkeys(MASS, StressVerdict.WITHIN) | {1e2: StressVerdict.OVER, 1e4: StressVerdict.DIVERGED}
+    (border,) = borders([result(value, verdict) for value, verdict in verdicts.items()])
+    assert border.ends == (1e1, 1e2)
+    assert border.document["verdict"] == "over limit"
+    assert border.document["value"] == pytest.approx(math.sqrt(1e3))
+    assert border.document["outside_command"] == "linkproof stress 'mass/row/100/e/tuned'"
+
+
+def test_a_border_next_to_zero_is_not_followed_for_ever():
+    make = world(below=1e-300, axis="change-point")
+    (border,), asked = narrowed(make, make([1e-1, 1e-6, 1e-12, 0.0]))
+    assert border.outside.value == 0.0
+    assert border.inside.value <= SMALLEST
+    assert asked < 10
+
+
+@pytest.mark.parametrize("verdict", [StressVerdict.TIMED_OUT, StressVerdict.CRASHED])
+def test_a_border_that_the_machine_draws_is_not_narrowed_down(verdict):
+    (border,) = borders([result(1.0, StressVerdict.WITHIN), result(1e3, verdict)])
+    assert not border.is_wide(PRECISE)
+
+
+def test_what_is_saved_is_read_back(tmp_path):
+    save(tmp_path, STRESS)
+    found = campaign.load(tmp_path)
+    assert found.results == STRESS.results
+    assert found.borders == STRESS.borders
+
+
+@pytest.mark.parametrize(
+    ("cells", "changes", "words"),
+    [
+        ([], {}, "it has no cell"),
+        ([CELL], {"quick": "?"}, "quick: Input should be a valid boolean"),
+        ([{**CELL, "axis": "gone"}], {}, "'gone'"),
+        ([{**CELL, "value": "x"}], {}, "value: Input should be a valid number"),
+        ([{name: one for name, one in CELL.items() if name != "value"}], {}, "value: Field required"),
+    ],
+)
+def test_what_is_of_another_form_is_refused_with_the_cure(tmp_path, cells, changes, words):
+    rows = ((f"{number}", row, {}) for number, row in enumerate(cells))
+    save_study(tmp_path, KIND, {**STRESS.document, **changes}, rows)
+    with pytest.raises(LinkproofError, match=rf"{words}.*run stress with --out again"):
+        campaign.load(tmp_path)
