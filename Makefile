@@ -3,8 +3,8 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.installed
-# make report FULL=--full runs the files' own regimes in every setting too: minutes instead of one.
-FULL   ?=
+# make report SETTINGS="--setting naive --setting tuned --setting best" runs the files' own regimes in each: minutes, not one.
+SETTINGS ?= --setting all
 # make report EXTENT= takes every step and cell of the benchmark and the stability maps: half an hour.
 EXTENT ?= --quick
 
@@ -19,7 +19,7 @@ report: $(READY)  ## every mechanism in every engine and setting, cost and stabi
 	rm -rf build/report/bench build/report/stress  # --out alone, without --quick, would only write their pages again
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
-	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
+	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own $(SETTINGS) --out build/report
 
 pages: $(READY)  ## pictures of every page of build/report, wide and narrow, light and dark, in build/pages; needs Chromium
 	$(BIN)/python -m tests.pages.show build/report build/pages

@@ -17,25 +17,25 @@ if TYPE_CHECKING:
     from analytic.description.loading import load
     from analytic.errors import LinkproofError
     from reports.api.designer import check, evaluate, judge, mechanisms, new, optimise, results, sweep, tolerance
-    from reports.api.options import Motion, SteadyMotion
-    from reports.api.trials import check_engine, engines
-    from reports.python.campaign import Comparison, compare
+    from reports.api.options import Bounds, Motion, SteadyMotion
+    from reports.api.trials import bench, check_engine, compare, engines, stress
+    from reports.studies.trials import Comparison
 
     __version__ = version("linkproof")
 
 __all__ = [
-    "Comparison", "Linkage", "LinkproofError", "Motion", "SteadyMotion", "__version__", "check", "check_engine",
-    "compare", "engine", "engines", "evaluate", "judge", "load", "mechanisms", "new", "optimise", "results",
-    "sweep", "tolerance",
+    "Bounds", "Comparison", "Linkage", "LinkproofError", "Motion", "SteadyMotion", "__version__", "bench", "check",
+    "check_engine", "compare", "engine", "engines", "evaluate", "judge", "load", "mechanisms", "new", "optimise",
+    "results", "stress", "sweep", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
     "analytic.description.linkage": ("Linkage",),
     "analytic.description.loading": ("load",),
     "analytic.errors": ("LinkproofError",),
-    "reports.python.campaign": ("Comparison", "compare"),
-    "reports.api.trials": ("check_engine", "engines"),
-    "reports.api.options": ("Motion", "SteadyMotion"),
+    "reports.studies.trials": ("Comparison",),
+    "reports.api.trials": ("bench", "check_engine", "compare", "engines", "stress"),
+    "reports.api.options": ("Bounds", "Motion", "SteadyMotion"),
     "reports.api.designer": (
         *("check", "evaluate", "judge", "mechanisms", "new", "optimise"),
         *("results", "sweep", "tolerance"),

@@ -17,7 +17,7 @@ from comparisons.trials.judging.limits import shipped_limits
 from comparisons.trials.judging.quantities import all_quantities
 from engines.contract import Setting
 from engines.registry import own_names
-from reports.api.options import CompareOptions
+from reports.api.options import Motion
 from tests.engines.closed_form import installed
 
 BASELINE = read_rows(Path(__file__).with_name("baseline.csv"))
@@ -35,7 +35,7 @@ USUAL, *OTHERS = CHECKED
 def test_every_deviation_is_within_its_limit_and_as_recorded(mechanism, engine_name, regime, setting):
     if setting not in installed(engine_name).abilities.settings:
         pytest.skip(f"{engine_name} has no setting {setting}")
-    motion, conditions = crank_motion(regime), CompareOptions().conditions
+    motion, conditions = crank_motion(regime), Motion().conditions
     (found,) = compare(CampaignRequest((load(mechanism),), (motion,), conditions, (engine_name,), (setting,)))
     records, case = found.every, Case(Mechanism(load(mechanism)), motion)
     assert {record.quantity for record in records} == {*all_quantities(case), *INVARIANTS}
@@ -50,7 +50,7 @@ def test_every_deviation_is_within_its_limit_and_as_recorded(mechanism, engine_n
 
 def test_the_figures_of_the_closed_form_are_those_recorded():
     linkages, motions = tuple(map(load, catalogue())), tuple(map(crank_motion, REGIMES))
-    request = CampaignRequest(linkages, motions, CompareOptions().conditions, ())
+    request = CampaignRequest(linkages, motions, Motion().conditions, ())
     judged = JudgedCampaign(request, shipped_limits(), (), BASELINE, every_variant=True)
     assert [change.sentence for change in judged.changes] == []
     assert {row[:7] for row in judged.rows} == {row[:7] for row in BASELINE if row.engine == CLOSED_FORM}

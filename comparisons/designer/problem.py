@@ -382,7 +382,9 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
     if number.kind in NOT_NEGATIVE and low < 0.0:
         raise LinkproofError(f"--over {number.name}: expected bounds that are not negative, got '{text}'; correct it")
     if number.kind == SPEED and low <= 0.0:
-        raise LinkproofError(f"--over speed: expected bounds above 0, got '{text}'; --clockwise turns the other way")
+        raise LinkproofError(
+            f"--over speed: expected bounds above 0, got '{text}'; a negative --speed turns the other way"
+        )
     return low, high
 
 

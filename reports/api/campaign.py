@@ -1,82 +1,91 @@
-"""From options to a campaign: linkages, engines, limits, earlier results; every name is checked before any run."""
+"""From options to runs of engines: linkages, engines, limits, earlier results; every name is checked before any run."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, known_names, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
-from comparisons.trials.campaign.campaign import CampaignRequest, tasks
+from comparisons.trials.campaign.campaign import CampaignRequest, each_case, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
-from comparisons.trials.campaign.results import document
+from comparisons.trials.campaign.results import Results, document, save
 from comparisons.trials.campaign.results import load as load_results
 from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.exported_run import exported
 from comparisons.trials.judging.changes import read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
 from comparisons.trials.judging.records import Error
 from comparisons.trials.runs.cluster import DaskPool
-from comparisons.trials.runs.files import check_writable
-from comparisons.trials.runs.plugins import engines
+from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.plugins import engines as adapters
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, Bounds
-from comparisons.trials.runs.study import Task
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB
+from comparisons.trials.runs.run_engine import Bounds as RunBounds
 from comparisons.trials.runs.workers import LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
+from reports.api.folders import stored_runs
+from reports.api.linkages import linkage_file, word_of
 from reports.api.motions import EVERYTHING, requested_motions
-from reports.api.options import CompareOptions, RunLimits, RunsOptions, StandardOptions, command_line
+from reports.api.options import Bounds as Asked
+from reports.api.options import LinkageLike, Motion
+from reports.document.study import check_file
 from reports.records import CONCURRENT_RUNS
+from reports.studies.trials import Comparison, Script
 
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
 
-def files(options: RunsOptions) -> list[LinkageFile]:
-    """The files of the requested linkages; by default all of the catalogue that have the variant.
+class Chosen(NamedTuple):
+    """The linkages of runs with their files, and the words by which a command names them; none for all."""
 
-    Files of the same name get the names of their folders before their own, as many as are needed to differ.
+    linkages: tuple[Linkage, ...]
+    files: tuple[LinkageFile, ...]
+    words: tuple[str, ...]
+
+
+def chosen_linkages(given: Sequence[LinkageLike], motion: Motion) -> Chosen:
+    """The linkages in the variant and under the gravity of a motion; by default the catalogue's that have the variant.
+
+    Files of the same name get the names of their folders before their own, as many as are needed to differ. Raises
+    LinkproofError where two names are the same.
     """
-    names = tuple(dict.fromkeys(options.mechanisms or with_variant(catalogue(), options.variant)))
-    linkage_files = [read(name) for name in names]
-    file_names = [file.name for file in linkage_files]
-    for depth in range(1, DEEPEST_FOLDER + 1):
-        counts = Counter(file.name for file in linkage_files)
-        linkage_files = [
-            replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
-            if counts[file.name] > 1 and Path(path).suffix
-            else file
-            for path, name, file in zip(names, file_names, linkage_files, strict=True)
-        ]
-    return linkage_files
+    named = tuple({word_of(each): each for each in given or _with_variant(catalogue(), motion.variant)}.values())
+    files = _told_apart(named, [linkage_file(each) for each in named])
+    variants = [each.variant if isinstance(each, Linkage) and motion.variant is None else None for each in named]
+    linkages = [file.linkage(variant or motion.variant) for file, variant in zip(files, variants, strict=True)]
+    (name, count), *_ = Counter(linkage.name for linkage in linkages).most_common(1)
+    if count > 1:
+        raise LinkproofError(f"two linkage files are both called '{name}': rename one of them")
+    if not motion.gravity:
+        linkages = [without(linkage, "gravity") for linkage in linkages]
+    return Chosen(tuple(linkages), files, tuple(map(word_of, given)))
 
 
-def with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
+def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
     """The names of the linkages that have a variant; all names if none has it or ``variant`` is None."""
     return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
 
 
-def linkages(options: RunsOptions) -> tuple[Linkage, ...]:
-    """The linkages of ``files``, in the requested variant and under the requested gravity."""
-    chosen = [file.linkage(options.variant) for file in files(options)]
-    _check_names_differ(chosen)
-    return tuple(chosen if options.gravity else [without(linkage, "gravity") for linkage in chosen])
-
-
-def _check_names_differ(chosen: list[Linkage]) -> None:
-    seen: set[str] = set()
-    for linkage in chosen:
-        if linkage.name in seen:
-            raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
-        seen.add(linkage.name)
+def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> tuple[LinkageFile, ...]:
+    names = [file.name for file in files]
+    for depth in range(1, DEEPEST_FOLDER + 1):
+        counts = Counter(file.name for file in files)
+        files = [
+            replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
+            if counts[file.name] > 1 and isinstance(path, str | Path) and Path(path).suffix
+            else file
+            for path, name, file in zip(named, names, files, strict=True)
+        ]
+    return tuple(files)
 
 
 def installed(engines: Sequence[str]) -> list[str]:
@@ -109,35 +118,39 @@ def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
     return named(names) or tuple(installed(engine_names()))
 
 
-def _requested_settings(options: RunsOptions) -> tuple[Setting, ...]:
-    if EVERYTHING in options.setting:
+def requested_settings(names: Sequence[str]) -> tuple[Setting, ...]:
+    """The settings of these names, tuned where none is named; raises UnknownNameError."""
+    if EVERYTHING in names:
         return tuple(Setting)
-    for name in options.setting:
+    for name in names:
         if name not in list(Setting):
             raise UnknownNameError("setting", name, [*Setting, EVERYTHING])
-    return tuple(Setting(name) for name in dict.fromkeys(options.setting)) or (Setting.TUNED,)
+    return tuple(Setting(name) for name in dict.fromkeys(names)) or (Setting.TUNED,)
 
 
-def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
-    """Settings of the linkages' own regimes: those named; of all, tuned alone unless ``full``."""
-    is_full = isinstance(options, CompareOptions) and options.full
-    return _requested_settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
+def request(
+    linkages: Sequence[Linkage],
+    motion: Motion,
+    engine: Sequence[str] = (),
+    setting: Sequence[str] = (),
+    quantity: Sequence[str] = (),
+) -> CampaignRequest:
+    """The runs of a comparison; raises LinkproofError for bad input.
 
-
-def request(options: RunsOptions) -> CampaignRequest:
-    """The campaign's request; raises LinkproofError for bad input."""
-    result = linkages(options)
-    motions, conditions, own_regimes = requested_motions(options, result)
+    A linkage's own regimes run in the settings that are named; of all, in tuned alone, since they take many turns.
+    """
+    motions, conditions, own_regimes = requested_motions(motion, linkages)
+    settings = requested_settings(setting)
     return CampaignRequest(
-        linkages=result,
+        linkages=tuple(linkages),
         motions=motions,
         conditions=conditions,
-        engines=requested_engines(options.engine),
-        settings=_requested_settings(options),
-        quantities=tuple(dict.fromkeys(map(symbol, options.quantity))),
+        engines=requested_engines(engine),
+        settings=settings,
+        quantities=tuple(dict.fromkeys(map(symbol, quantity))),
         own_regimes=own_regimes,
-        own_settings=_own_settings(options),
-        with_invariants=not options.quantity,
+        own_settings=(Setting.TUNED,) if EVERYTHING in setting else settings,
+        with_invariants=not quantity,
     )
 
 
@@ -148,7 +161,7 @@ def request(options: RunsOptions) -> CampaignRequest:
 class RunResources:
     """The ``bounds`` of each run, and the number of worker ``processes``."""
 
-    bounds: Bounds
+    bounds: RunBounds
     processes: int
     scheduler: str | None = None
 
@@ -163,41 +176,33 @@ class RunResources:
         return LocalPool(self.processes, lasts=True) if self.scheduler is None else DaskPool(self.scheduler)
 
 
-def run_resources(limits: RunLimits) -> RunResources:
+def run_resources(bounds: Asked) -> RunResources:
     """The bounds and the worker processes of runs; raises LinkproofError for bad input.
 
     By default there are as many worker processes as cores; a single run has a process of its own, too.
     """
     for option, value, unit in (
-        ("--time-limit", limits.time_limit, "s"),
-        ("--memory-limit", limits.memory_limit, "GiB"),
+        ("--time-limit", bounds.time_limit, "s"),
+        ("--memory-limit", bounds.memory_limit, "GiB"),
     ):
         if value is not None and not 0.0 < value < math.inf:
             raise LinkproofError(f"{option}: expected a positive finite number of {unit}, got {value:g}")
-        if value is not None and limits.jobs == 0:
+        if value is not None and bounds.jobs == 0:
             raise LinkproofError(
                 f"{option} applies to worker processes, but --jobs 0 starts none: leave one of the two out"
             )
-    if limits.jobs is not None and limits.jobs < 0:
-        raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {limits.jobs}")
-    seconds = DEFAULT_BOUNDS.seconds if limits.time_limit is None else limits.time_limit
-    memory = DEFAULT_BOUNDS.memory if limits.memory_limit is None else round(limits.memory_limit * GIB)
-    if limits.scheduler is not None and limits.jobs is not None:
+    if bounds.jobs is not None and bounds.jobs < 0:
+        raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {bounds.jobs}")
+    seconds = DEFAULT_BOUNDS.seconds if bounds.time_limit is None else bounds.time_limit
+    memory = DEFAULT_BOUNDS.memory if bounds.memory_limit is None else round(bounds.memory_limit * GIB)
+    if bounds.scheduler is not None and bounds.jobs is not None:
         raise LinkproofError("--jobs is about this machine, --scheduler about others: leave one of the two out")
     return RunResources(
-        Bounds(seconds, memory), most_processes() if limits.jobs is None else limits.jobs, limits.scheduler
+        RunBounds(seconds, memory), most_processes() if bounds.jobs is None else bounds.jobs, bounds.scheduler
     )
 
 
 # ``compare``: its runs, limits of the user's own, and earlier results.
-
-
-def check_record(file: Path | None) -> None:
-    """Raise LinkproofError where results are to be recorded and cannot be."""
-    if file is not None and file.suffix.lower() != ".csv":
-        raise LinkproofError(f"--record {file}: the suffix must be .csv; rename the file")
-    if file is not None:
-        check_writable(file)
 
 
 def rows_before(place: Path) -> list[Error]:
@@ -205,21 +210,21 @@ def rows_before(place: Path) -> list[Error]:
     return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
 
-def chosen_limits(options: CompareOptions, limits: Path | None) -> LimitTable:
+def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTable:
     """The limits for results; raises LinkproofError for unknown names in them."""
     if limits is None:
         return shipped_limits()
-    chosen, read_files = read_limits(limits), files(options)
+    chosen = read_limits(limits)
 
     def known() -> Iterator[LinkageFile]:
-        yield from read_files
-        yield from _neighbours(read_files)
+        yield from files
+        yield from _neighbours(files)
 
     check_named(chosen, lambda: _mechanism_names(known()), lambda: _regime_names(known()))
     return chosen
 
 
-def _neighbours(named: list[LinkageFile]) -> Iterator[LinkageFile]:
+def _neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
     """The linkages in the same folders, which a limit may name, too."""
     for folder in dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known):
         for path in sorted(folder.glob("*.toml")):
@@ -239,62 +244,64 @@ def _regime_names(known: Iterable[LinkageFile]) -> list[str]:
     return names
 
 
-DEFAULT_STANDARD, DEFAULT_LIMITS = StandardOptions(), RunLimits()
-
-
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign whose names are all known.
+    """A comparison whose names are all known: ``command`` repeats it.
 
-    ``command`` repeats it, ``saved_command`` with its limits and bounds. ``before`` are the rows that its results are
-    compared with. ``every_variant``: no variant is chosen, so that figures are those of all.
+    ``before`` are the rows that its results are compared with. ``every_variant``: no variant is chosen, so that figures
+    are those of all.
     """
 
     request: CampaignRequest
     limits: LimitTable
     resources: RunResources
-    command: str
-    saved_command: str
     before: Sequence[Error] | None
     every_variant: bool
+    command: str
 
-    def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
-        """Make the runs in a pool and judge them."""
-        bounds = self.resources.bounds
-        runs = run_campaign(self.request, bounds=bounds, pool=pool, todo=self.tasks, limits=self.limits, **how)
-        runs.make()
-        return JudgedCampaign(self.request, self.limits, runs, self.before, self.every_variant)
+    def compared(self, function: Callable[..., Any], given: Mapping[str, Any]) -> Comparison:
+        """Make the runs, and judge them; the call of the ``function`` names the folder that keeps them."""
+        asked, todo, folder = self.request, tasks(self.request), given["out"]
+        others = ("bounds", "limits", "against")
+        with stored_runs(function, given, asked.engines, asked.linkages, others) as (finished, announce):
+            bounds, pool = self.resources.bounds, self.resources.pool
+            runs = run_campaign(
+                asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=self.limits
+            )
+            runs.make()
+            judged = JudgedCampaign(asked, self.limits, runs, self.before, self.every_variant)
+            table = self._document(judged, len(todo), is_saved=folder is not None)
+            if folder is not None:
+                save(folder, table, runs)
+        remark = "" if given["engine"] else missing_engines(asked.engines)
+        result = Comparison(Results(table, runs)) if folder is None else Comparison.load(folder)
+        return replace(result, processes=self.resources.processes, remark=remark)
 
-    @cached_property
-    def tasks(self) -> Sequence[Task]:
-        """Its runs; raises LinkproofError for what cannot run."""
-        return tasks(self.request)
-
-    @property
-    def environment(self) -> dict[str, str]:
-        """How many runs are made side by side, where they are."""
-        count = min(self.resources.processes, len(self.tasks))
-        return {CONCURRENT_RUNS: str(count)} if count > 1 else {}
-
-    def document(self, judged: JudgedCampaign, *, is_saved: bool = False) -> dict[str, Any]:
-        """Everything of the judged campaign but its runs, JSON-ready."""
-        readouts = {engine.name: engine.abilities.as_dict() for engine in engines(self.request.engines)}
-        command = self.saved_command + (" --out DIR" if is_saved else "")
-        table = document(self.request, command, readouts)
-        return {**table, **judged.as_dict, "environment": table["environment"] | self.environment}
+    def _document(self, judged: JudgedCampaign, count: int, *, is_saved: bool) -> dict[str, Any]:
+        """Everything but the runs, JSON-ready; of more than one run, how many are made side by side."""
+        readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(self.request.engines)}
+        table = document(self.request, self.command + (" --out DIR" if is_saved else ""), readouts)
+        beside = min(self.resources.processes, count)
+        concurrent = {CONCURRENT_RUNS: str(beside)} if beside > 1 else {}
+        return {**table, **judged.as_dict, "environment": table["environment"] | concurrent}
 
 
-def campaign(
-    options: CompareOptions, standard: StandardOptions = DEFAULT_STANDARD, limits: RunLimits = DEFAULT_LIMITS
-) -> Campaign:
-    """The campaign of a request; raises LinkproofError for bad input, before any run."""
-    check_record(standard.record)
-    return Campaign(
-        request(options),
-        chosen_limits(options, standard.limits),
-        run_resources(limits),
-        command_line("compare", options),
-        command_line("compare", options, standard, limits),
-        None if standard.against is None else rows_before(standard.against),
-        options.variant is None and options.gravity,
-    )
+def script(asked: CampaignRequest, file: Path, command: str) -> Script:
+    """Write a request's one run, in one engine and setting, as a script; a comparison of which nothing was run.
+
+    Raises LinkproofError for several runs, and for a run that cannot be exported.
+    """
+    check_file("--script", file)
+    if (len(asked.linkages), len(asked.engines)) != (1, 1):
+        raise LinkproofError(
+            f"--script writes one run, got {len(asked.linkages)} mechanisms and {len(asked.engines)} engines: "
+            "name one MECHANISM and one --engine"
+        )
+    cases, settings = list(each_case(asked)), asked.settings
+    if len(cases) != 1 or len(settings) != 1:
+        raise LinkproofError(
+            f"--script writes one run, got {len(cases)} motions and {len(settings)} settings: name one --regime and "
+            "one --setting"
+        )
+    write_file(file, exported(cases[0], asked.engines[0], settings[0], command))
+    return Script(Results(document(asked, command), ()), written=(file,))

@@ -48,6 +48,13 @@ def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: boo
     return result if gravity else without(result, "gravity")
 
 
+def word_of(given: LinkageLike) -> str:
+    """The word by which a command names a linkage."""
+    if isinstance(given, Mapping):
+        return str(given.get("title", "linkage"))
+    return given.name if isinstance(given, Linkage) else str(given)
+
+
 def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
     """The linkage in the variant of a motion, its word in a command, the motion with the variant of a loaded one."""
     chosen = load_linkage(given, motion.variant)

@@ -77,12 +77,12 @@ def requested_case(options: Asked, mechanism: Mechanism) -> Case:
     Raises LinkproofError for a motion that is impossible or unknown, and for several.
     """
     if options.speed == 0.0:
-        moving = requested_case(replace(options, speed=1.0), mechanism)
+        moving = requested_case(replace(options, speed=math.copysign(1.0, options.speed)), mechanism)
         if not isinstance(moving.motion, CrankMotion):
             raise LinkproofError("--speed 0 holds the crank, and the regime releases it: leave one of the two out")
         return replace(moving, motion=Standstill("at rest", moving.motion.segments))
     case = _named_case(options, mechanism)
-    has_length = options.swings or _is_timed(options) or _own_regimes(options, [mechanism.linkage])
+    has_length = options.swings or options.is_timed or _own_regimes(options, [mechanism.linkage])
     if case is None or (tuple(options.regime) == (STEADY,) and not has_length):
         return _default_case(options, mechanism)
     return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
@@ -122,17 +122,11 @@ def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
     if options.regime or options.swings:
         ((motion,), _) = _prescribed_motions(options, [linkage])
         return Case(mechanism, motion)
-    if _is_timed(options):
+    if options.is_timed:
         raise LinkproofError(
             "--ramp-time and --hold-time apply only to a motion over time: add --regime run-up, or leave them out"
         )
     return None
-
-
-def _is_timed(options: Asked) -> bool:
-    """Whether the time of a motion was given."""
-    default = Asked()
-    return (options.ramp_time, options.hold_time) != (default.ramp_time, default.hold_time)
 
 
 def _default_case(options: Asked, mechanism: Mechanism) -> Case:
@@ -158,10 +152,6 @@ def offered_regimes(options: Asked) -> tuple[str, ...]:
 
 def check_motion(options: Asked) -> None:
     """Raise LinkproofError for an impossible motion, in the words and the units of its options."""
-    if options.rpm < 0.0 and options.clockwise:
-        raise LinkproofError(
-            f"--speed {options.rpm:g} turns clockwise already: leave --clockwise out, or give a positive speed"
-        )
     if not 1.0 / LARGEST <= abs(options.rpm) <= LARGEST / RPM:
         bound = f" up to {LARGEST / RPM:.3g}" if LARGEST < abs(options.rpm) < math.inf else ""
         raise LinkproofError(
@@ -197,10 +187,9 @@ def _check_swing(options: Asked) -> None:
     if start == end:
         raise LinkproofError(f"expected a swing between two crank angles, got {start:g}° twice: correct --to")
     if options.turns_back and end > start:
-        option = "--clockwise" if options.clockwise else f"--speed {options.rpm:g}"
         raise LinkproofError(
-            f"from {start:g}° to {end:g}° is counter-clockwise, and {option} is not: leave it out, or exchange "
-            "--from and --to"
+            f"from {start:g}° to {end:g}° is counter-clockwise, and --speed {options.rpm:g} is not: leave out its "
+            "sign, or exchange --from and --to"
         )
     default = Asked()
     for name in TIMED[::-1]:

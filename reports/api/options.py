@@ -10,7 +10,7 @@ import inspect
 import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, fields, is_dataclass
+from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from functools import cache, wraps
 from numbers import Integral, Real
 from pathlib import Path
@@ -156,6 +156,8 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
         return option.field.default
     if several is float:
         return _parse_numbers(option.name, given) if isinstance(given, str) else _numbers(option, given)
+    if several is Any:
+        return words(given)
     if several is not None:
         return given if isinstance(given, Mapping) else tuple(map(several, words(given)))
     if float in kinds or int in kinds:
@@ -167,9 +169,10 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
     return str(given) if str in kinds else given
 
 
-def words(given: Words | Path) -> tuple[Any, ...]:
+def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
     """A name, or several names, as a tuple."""
-    return (given,) if isinstance(given, str | Path) else tuple(given)
+    is_one = isinstance(given, str | Path | Mapping) or not isinstance(given, Iterable)
+    return (given,) if is_one else tuple(given)
 
 
 def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
@@ -205,32 +208,34 @@ def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
     return tuple(numbers)
 
 
-# The command that repeats a call.
+# The command that repeats a call, and a call in the form in which a folder keeps it.
 
 
-def command_line(command: str | Callable[..., Any], *given: Any) -> str:  # noqa: ANN401 - dataclasses, or a mapping
-    """The command that repeats a request: its arguments, its options with their values, and its flags.
+def command_line(function: Callable[..., Any], given: Mapping[str, Any], without: Sequence[str] = ()) -> str:
+    """The command that repeats a call: its arguments, its options with their values, its flags.
 
-    ``given`` are dataclasses of options; of a function, its arguments by name.
+    ``given`` are the arguments of the function by name; groups and options ``without`` are left out.
     """
-    if isinstance(command, str):
-        name, pairs = command, [pair for bag in given for pair in _pairs(type(bag), vars(bag))]
-    else:
-        name, (arguments,) = command.__name__, given
-        pairs = [*_pairs(command, arguments)]
-        for group, kind in option_groups(command).items():
-            pairs += _pairs(kind, vars(arguments[group]))
-    arguments_ = [str(word) for o, value in pairs if isinstance(o.info, Argument) for word in _values_of(value)]
+    pairs = [(option, value) for option, value, group in _pairs(function, given) if group not in without]
+    pairs = [(option, value) for option, value in pairs if option.field.name not in without]
+    arguments = [str(word) for o, value in pairs if isinstance(o.info, Argument) for word in _values_of(value)]
     changed = {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
+    return shlex.join(["linkproof", function.__name__, *arguments, *_option_words(changed)])
+
+
+def _option_words(changed: Mapping[str, tuple[str, ...]]) -> list[str]:
+    """Options as typed: those with values, then the flags."""
     valued = [word for name, values in changed.items() for value in values for word in (f"--{name}", value)]
-    flags = [f"--{name}" for name, values in changed.items() if not values]
-    return shlex.join(["linkproof", name, *arguments_, *valued, *flags])
+    return [*valued, *(f"--{name}" for name, values in changed.items() if not values)]
 
 
-def _pairs(source: Any, values: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any]]:  # noqa: ANN401
-    """The options of a dataclass or a function with their values."""
-    for option in declared_options(source):
-        yield option, values[option.field.name]
+def _pairs(function: Callable[..., Any], given: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any, str]]:
+    """The options of a function with their values, and the name of the group that they are in."""
+    for option in declared_options(function):
+        yield option, given[option.field.name], ""
+    for group, kind in option_groups(function).items():
+        for option in declared_options(kind):
+            yield option, getattr(given[group], option.field.name), group
 
 
 def _is_changed(option: DeclaredOption, value: Any) -> bool:  # noqa: ANN401 - of any option
@@ -240,8 +245,31 @@ def _is_changed(option: DeclaredOption, value: Any) -> bool:  # noqa: ANN401 - o
 
 def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
     """Options that differ from their defaults and affect the results, by name, each with its words as typed."""
-    pairs = _pairs(type(options), vars(options))
+    pairs = ((option, getattr(options, option.field.name)) for option in declared_options(type(options)))
     return {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
+
+
+def option_words(options: Any) -> list[str]:  # noqa: ANN401 - a dataclass
+    """The same as words of a command."""
+    return _option_words(changed_options(options))
+
+
+def changed_arguments(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments, and options that affect the results, that differ from their defaults; those of groups by group."""
+    changed: dict[str, Any] = {}
+    for option, value, group in _pairs(function, given):
+        if value != option.field.default and (isinstance(option.info, Argument) or option.info.affects_results):
+            (changed.setdefault(group, {}) if group else changed)[option.field.name] = value
+    return changed
+
+
+def with_arguments(
+    function: Callable[..., Any], given: Mapping[str, Any], changed: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The arguments of a call with those of another one, as ``changed_arguments`` has them."""
+    groups = {name: replace(given[name], **changed.get(name, {})) for name in option_groups(function)}
+    own = {option.field.name for option in declared_options(function)}
+    return {**given, **{name: value for name, value in changed.items() if name in own}, **groups}
 
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
@@ -275,6 +303,7 @@ def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
 
 # The files of a command's results, and the amount of its output.
 
+Out = Annotated[Path | None, Option("Write records, curves and pages into this folder.", "DIR", affects_results=False)]
 Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
 
 
@@ -282,14 +311,13 @@ Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
 class OutputOptions:
     """``json`` is printed in place of everything else; ``out`` is a folder for all files of a command.
 
-    ``save`` has single files, each in the format of its suffix, ``junit`` a file of test cases for CI services.
-    ``quiet`` prints no progress and no tables, ``verbose`` adds the details of every record.
+    ``save`` has single files, each in the format of its suffix. ``quiet`` prints no progress and no tables, ``verbose``
+    adds the details of every record.
     """
 
-    out: Annotated[Path | None, Option("Write records, curves and pages into this folder.", "DIR")] = None
+    out: Out = None
     save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
     json: Json = False
-    junit: Annotated[Path | None, Option("Write every verdict as a test case, in JUnit's XML.", "FILE")] = None
     quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
     opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False
     verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False
@@ -332,7 +360,7 @@ USUAL_SPEED = 1000.0  # rpm
 TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: no swing has them
 
 Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms", is_required=True, reads="the linkage's file")]
-Mechanisms = Annotated[Sequence[str], Argument("MECHANISM", "mechanisms", reads="'{}'")]
+Mechanisms = Annotated[Sequence[LinkageLike], Argument("MECHANISM", "mechanisms", reads="'{}'")]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
 Speed = Annotated[
     float | None,
@@ -342,7 +370,6 @@ Speed = Annotated[
 ]
 From = Annotated[float | None, Option("Crank angle at the start of a swing.", "DEGREES", ("--from",))]
 To = Annotated[float | None, Option("Crank angle at the end of a swing.", "DEGREES", ("--to",))]
-Clockwise = Annotated[bool, Option("Turn the crank clockwise.")]
 Gravity = Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))]
 Variant = Annotated[str | None, Option("Variant of the file; default: its own values.", "NAME", names="variants")]
 
@@ -383,7 +410,6 @@ class Motion(Checked):
     start_angle: Annotated[float, Option("Crank angle at the start.", "DEGREES")] = 0.0
     from_angle: From = None
     to_angle: To = None
-    clockwise: Clockwise = False
     gravity: Gravity = True
 
     @property
@@ -394,7 +420,12 @@ class Motion(Checked):
     @property
     def turns_back(self) -> bool:
         """Whether the crank turns clockwise."""
-        return self.clockwise or self.rpm < 0.0
+        return math.copysign(1.0, self.rpm) < 0.0  # of a crank at rest, -0, too
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the time of a motion was given."""
+        return (self.ramp_time, self.hold_time) != (Motion.ramp_time, Motion.hold_time)
 
     @property
     def swings(self) -> bool:
@@ -421,7 +452,6 @@ class SteadyMotion(Checked):
     speed: Speed = None
     from_angle: From = None
     to_angle: To = None
-    clockwise: Clockwise = False
     gravity: Gravity = True
 
     @property
@@ -433,94 +463,22 @@ class SteadyMotion(Checked):
 # Runs of engines that compare, bench and stress make.
 
 Engines = Annotated[
-    tuple[str, ...], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
-]
-Settings = Annotated[
-    tuple[str, ...],
-    Option(
-        "naive, tuned, best, or all; repeatable; default: tuned (stress: a setting or a fixed-step method; default: "
-        "those of each map).",
-        "NAME",
-        names="settings",
-    ),
+    Sequence[str], Option("Engine; repeatable; default: all that are installed.", "NAME", names="engines")
 ]
 Jobs = Annotated[
-    int | None,
-    Option("Worker processes; default: one per core; compare: 0 for none, no limits.", "N", affects_results=False),
+    int | None, Option("Worker processes; default: one per core; 0: none, no limits.", "N", affects_results=False)
 ]
 Scheduler = Annotated[
-    str | None,
-    Option("Make the runs on the workers of this Dask scheduler.", "ADDRESS", affects_results=False),
+    str | None, Option("Make the runs on the workers of this Dask scheduler.", "ADDRESS", affects_results=False)
 ]
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunsOptions(Motion):
-    """Linkages, engines, settings and quantities of runs; empty means the default."""
+class Bounds(Checked):
+    """Wall time, s, and memory, GiB, of each run, and worker processes or a Dask scheduler; None is the default.
 
-    mechanisms: Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")] = ()
-    engine: Engines = ()
-    setting: Settings = ()
-    quantity: Annotated[
-        tuple[str, ...],
-        Option(
-            "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
-            "NAME",
-            names="quantities",
-        ),
-    ] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class CompareOptions(RunsOptions):
-    """The runs of ``linkproof compare``."""
-
-    full: Annotated[bool, Option("Run the files' regimes in every setting, not only in tuned.")] = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class BenchOptions(RunsOptions):
-    """The runs of ``linkproof bench``, which has settings and methods of its own."""
-
-    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class StressOptions:
-    """Stability maps or cells for ``linkproof stress``; empty means the default."""
-
-    words: Annotated[tuple[str, ...], Argument("AXIS|CELL", "axes")] = ()
-    engine: Engines = ()
-    setting: Settings = ()
-    quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class StandardOptions:
-    """Files of limits, and of results recorded before."""
-
-    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None
-    against: Annotated[
-        Path | None,
-        Option(
-            "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
-            "threefold, has vanished or has changed fails.",
-            "FILE|DIR",
-        ),
-    ] = None
-    record: Annotated[
-        Path | None,
-        Option(
-            "Write errors, and figures of the closed form, into this CSV file for --against.",
-            "FILE",
-            affects_results=False,
-        ),
-    ] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunLimits:
-    """Limits of each run, s and GiB, and worker processes, or those of a Dask scheduler; None means the default."""
+    With ``jobs=0`` runs are made in this process, without limits.
+    """
 
     time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
     memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None

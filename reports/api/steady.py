@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -44,7 +43,7 @@ from comparisons.designer.sweep import (
 )
 from comparisons.motion.case import Case
 from reports.api.motions import requested_case
-from reports.api.options import Ranges, command_line, range_word
+from reports.api.options import Ranges, option_words, range_word
 from reports.api.options import SteadyMotion as Asked
 
 if TYPE_CHECKING:
@@ -191,4 +190,4 @@ def check_words(best: Optimum, motion: Asked) -> tuple[str, ...]:
     if SPEED in best.after:
         unit = speed_unit(best.problem.mechanism.linkage)
         same = replace(same, speed=math.copysign(float(f"{best.after[SPEED] / unit.size:.15g}"), same.rpm))
-    return tuple(shlex.split(command_line("compare", same))[2:])
+    return tuple(option_words(same))

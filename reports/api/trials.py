@@ -1,15 +1,34 @@
 """What someone who writes or chooses an engine asks: signatures are the options of the command line."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from analytic.errors import LinkproofError, shortened
-from reports.api.options import Argument, Option, checked
+from reports.api.folders import own_study
+from reports.api.options import (
+    Announce,
+    Argument,
+    Bounds,
+    Engines,
+    Mechanisms,
+    Motion,
+    Option,
+    Out,
+    Scheduler,
+    checked,
+    command_line,
+    silent,
+)
 
 if TYPE_CHECKING:
     from engines.contract import Engine
     from reports.document.study import Study
     from reports.studies.engines import EngineFindings
+    from reports.studies.trials import Benchmark, Comparison, StabilityMaps
+
+USUAL = Motion()
+UNBOUNDED = Bounds()
 
 
 @checked
@@ -67,6 +86,170 @@ def check_engine(engine: "Engine | str", jobs: int | None = None) -> "EngineFind
         return EngineFindings(adapter.name, adapter.version() or "", engine_findings(adapter, jobs))
     except AdapterError as error:
         raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
+
+
+@checked
+def compare(
+    mechanisms: Mechanisms = (),
+    motion: Motion = USUAL,
+    *,
+    engine: Engines = (),
+    setting: Annotated[
+        Sequence[str],
+        Option("naive, tuned, best, or all; repeatable; default: tuned.", "NAME", names="settings"),
+    ] = (),
+    quantity: Annotated[
+        Sequence[str], Option("Quantity, such as Mkr; repeatable; default: all.", "NAME", names="quantities")
+    ] = (),
+    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None,
+    against: Annotated[
+        Path | None,
+        Option(
+            "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
+            "threefold, has vanished or has changed fails.",
+            "FILE|DIR",
+        ),
+    ] = None,
+    record: Annotated[
+        Path | None,
+        Option(
+            "Write errors, and figures of the closed form, into this CSV file for --against.",
+            "FILE",
+            affects_results=False,
+        ),
+    ] = None,
+    junit: Annotated[
+        Path | None,
+        Option("Write every verdict as a test case, in JUnit's XML.", "FILE", affects_results=False),
+    ] = None,
+    script: Annotated[
+        Path | None, Option("Run nothing; write one run as a script that needs only its engine and numpy.", "FILE")
+    ] = None,
+    bounds: Bounds = UNBOUNDED,
+    out: Out = None,
+    announce: Announce = silent,
+) -> "Comparison":
+    """Simulate mechanisms in engines and compare every error with its limit.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+
+    The naive setting shows the engine without tuning; if other settings run too, its rows do not affect the exit code.
+    An engine that crashes, hangs or runs out of memory fails in its own row only.
+
+    --out DIR alone takes the study that is in DIR: the runs that are missing are made, a finished study only gets its
+    pages again.
+
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a result that
+    is not as it was recorded (--against), 2 bad input.
+
+    In Python ``out`` is a folder in which every run is stored as soon as it is made; ``write`` of the result adds the
+    pages. A run that fails is a record; bad input raises LinkproofError.
+    """
+    is_finished, begun = own_study(compare, locals())
+    if begun is not None:
+        return compare(**begun)
+    if bounds.jobs != 0 and not is_finished and script is None:
+        start_workers("comparisons.trials.campaign.campaign")
+    from reports.api import campaign
+    from reports.studies.trials import Comparison, check_files
+
+    if script is not None and (any((quantity, limits, against, record, junit, out)) or bounds != UNBOUNDED):
+        raise LinkproofError(
+            "--script runs nothing: leave out every option but those of the engine, setting and motion"
+        )
+    check_files(record, junit)
+    if is_finished and out is not None:
+        return Comparison.load(out).with_files(record, junit)
+    linkages, files, mechanisms = campaign.chosen_linkages(mechanisms, motion)
+    request = campaign.request(linkages, motion, engine, setting, quantity)
+    if script is not None:
+        return campaign.script(request, script, command_line(compare, locals()))
+    asked = campaign.Campaign(
+        request,
+        campaign.chosen_limits(files, limits),
+        campaign.run_resources(bounds),
+        None if against is None else campaign.rows_before(against),
+        every_variant=motion.variant is None and motion.gravity,
+        command=command_line(compare, locals()),
+    )
+    return asked.compared(compare, locals()).with_files(record, junit)
+
+
+@checked
+def bench(
+    mechanisms: Mechanisms = (),
+    motion: Motion = USUAL,
+    *,
+    engine: Engines = (),
+    quantity: Annotated[
+        Sequence[str],
+        Option("Quantity; repeatable; default: Mkr, Jeq, phi, joint_force.", "NAME", names="quantities"),
+    ] = (),
+    quick: Annotated[bool, Option("Measure only the fronts, over one turn, in under a minute.")] = False,
+    out: Out = None,
+    announce: Announce = silent,
+) -> "Benchmark":
+    """Measure error against run time: every engine, setting and method over a sweep of steps.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+
+    --out DIR alone takes the benchmark that is in DIR.
+
+    Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
+
+    In Python ``out`` is as in ``compare``.
+    """
+    is_finished, begun = own_study(bench, locals())
+    if begun is not None:
+        return bench(**begun)
+    if not is_finished:
+        start_workers("comparisons.trials.work_precision.measure")
+    from reports.api.bench import benchmark
+    from reports.api.campaign import chosen_linkages
+    from reports.studies.trials import Benchmark
+
+    if is_finished and out is not None:
+        return Benchmark.load(out)
+    linkages, _, mechanisms = chosen_linkages(mechanisms, motion)
+    return benchmark(bench, locals(), linkages, command_line(bench, locals()))
+
+
+@checked
+def stress(
+    words: Annotated[Sequence[str], Argument("AXIS|CELL", "axes")] = (),
+    *,
+    engine: Engines = (),
+    setting: Annotated[
+        Sequence[str],
+        Option("A setting or a fixed-step method; repeatable; default: those of each map.", "NAME", names="settings"),
+    ] = (),
+    quick: Annotated[bool, Option("Fewer cells, coarser borders: about a minute.")] = False,
+    jobs: Annotated[int | None, Option("Worker processes; default: one per core.", "N", affects_results=False)] = None,
+    scheduler: Scheduler = None,
+    out: Out = None,
+    announce: Announce = silent,
+) -> "StabilityMaps":
+    """Find conditions under which each engine fails, and whether the checks detect it.
+
+    AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
+
+    --out DIR alone takes the maps that are in DIR.
+
+    Exit code 1: an engine reported success with a wrong motion, and no check detected it.
+
+    In Python ``out`` is as in ``compare``.
+    """
+    is_finished, begun = own_study(stress, locals())
+    if begun is not None:
+        return stress(**begun)
+    if not is_finished:
+        start_workers("comparisons.trials.stress.cells")
+    from reports.api.stress import stability_maps
+    from reports.studies.trials import StabilityMaps
+
+    if is_finished and out is not None:
+        return StabilityMaps.load(out)
+    return stability_maps(stress, locals(), command_line(stress, locals()))
 
 
 def start_workers(module: str) -> None:

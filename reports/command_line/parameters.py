@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import is_dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args
 
 import click
 
@@ -77,46 +76,6 @@ class LinkproofCommand(click.Command):
         raise LinkproofError(answer)
 
 
-def command(
-    app: click.Group,
-    name: str | None = None,
-    *,
-    summary: str,
-    without: Sequence[str] = (),
-    texts: Mapping[str, str] = NO_TEXTS,
-) -> Callable[[Callable[..., int | None]], Callable[..., int | None]]:
-    """Add a function to the commands of an app; it may give the exit code.
-
-    Every declared field of a dataclass becomes an option, except those ``without``; ``texts`` replace the help of some
-    options in this command.
-    """
-
-    def add_command(function: Callable[..., int | None]) -> Callable[..., int | None]:
-        hints = get_type_hints(function, include_extras=True)
-        bags: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
-        options = [option for option in _declared(function, hints) if option.field.name not in without]
-
-        def called(**words: Any) -> int:  # noqa: ANN401 - of all options
-            plain = {
-                o.field.name: _value(o, words[o.field.name]) for o in options if o.field.name in {*hints} - {*bags}
-            }
-            return function(**plain, **{each: option_bag(kind, words) for each, kind in bags.items()}) or 0
-
-        app.add_command(
-            LinkproofCommand(
-                name or function.__name__,
-                params=[_parameter(option, texts.get(option.field.name, "")) for option in options],
-                callback=called,
-                help=inspect.getdoc(function),
-                short_help=summary,
-                context_settings=SETTINGS,
-            )
-        )
-        return function
-
-    return add_command
-
-
 def study_command(
     app: click.Group,
     name: str,
@@ -130,16 +89,18 @@ def study_command(
     """Add a function that returns a study to the commands: its options, then those of output that it ``offers``.
 
     ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name; the
-    fields of ``form`` are options of what is saved.
+    fields of ``form`` are options of what is saved. An ``out`` of the function is an option of output as well.
     """
     own, groups = declared_options(function), option_groups(function)
     titled = {kind.__name__.removeprefix("Steady"): declared_options(kind) for kind in groups.values()}
     bags = [option for options in titled.values() for option in options]
-    files = [option for option in declared_options(OutputOptions) if option.field.name in offers]
-    files = [*(declared_options(form) if form else ()), *files]
-    titled["Output"] = (*files,)
+    output = {option.field.name: option for option in declared_options(OutputOptions)}
+    taken = {option.field.name for option in own}
+    files = [option for name, option in output.items() if name in offers and name not in taken]
+    titled["Output"] = (*(declared_options(form) if form else ()), *files)
     sections = {option.field.name: title for title, options in titled.items() for option in options}
-    every = [*own, *bags, *files]
+    sections |= dict.fromkeys(taken & {*output}, "Output")
+    every = [*own, *bags, *titled["Output"]]
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
@@ -158,7 +119,7 @@ def study_command(
         short_help=summary,
         context_settings=SETTINGS,
     )
-    made.sections = sections | {"help": "Output" if files else "Options"}
+    made.sections = sections | {"help": "Output" if titled["Output"] else "Options"}
     app.add_command(made)
 
 
@@ -171,16 +132,6 @@ def _read(options: Iterable[DeclaredOption], given: Mapping[str, Any]) -> dict[s
             if option.info.reads:
                 found[option.info.reads.format(each)] = Path(each)
     return found
-
-
-def _declared(function: Callable[..., Any], hints: Mapping[str, Any]) -> Iterator[DeclaredOption]:
-    """The options and arguments of a function, those of its dataclasses among them."""
-    for parameter in inspect.signature(function).parameters.values():
-        kind = hints[parameter.name]
-        if is_dataclass(kind):
-            yield from declared_options(kind)
-        elif get_origin(kind) is Annotated:
-            yield DeclaredOption(parameter, *get_args(kind))
 
 
 def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:

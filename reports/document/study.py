@@ -36,6 +36,10 @@ class Study:
     suffixes: ClassVar[tuple[str, ...]] = (".json",)
     exit_code: int = 0
     """The exit code of the command; a study of which nothing could be judged raises LinkproofError here."""
+    remark: str = ""
+    """What a verbose command adds on stderr."""
+    written: tuple[Path, ...] = ()
+    """The files that the function has written."""
 
     def printout(self) -> Printout:
         """The output of the command."""
@@ -137,18 +141,13 @@ class Study:
 def check_saves(
     files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING, made: Path | None = None
 ) -> None:
-    """Raise LinkproofError for a file that cannot be written, since its folder is missing, for example.
+    """Raise LinkproofError for a file of ``--save`` that cannot be written, since its folder is missing, for example.
 
     ``read`` has the files to read, by what they are; ``made`` is a folder that will be there.
     """
     places: dict[str, Path] = {}
     for file in files:
-        suffix = file.suffix.lower()
-        if suffix not in suffixes:
-            raise LinkproofError(f"--save {file}: the suffix must be one of {', '.join(suffixes)}; rename the file")
-        if not os.path.lexists(file.parent) and file.parent != made:
-            raise LinkproofError(f"--save {file}: the folder '{file.parent}' does not exist; make it, or name another")
-        check_writable(file)
+        check_file("--save", file, suffixes, made)
         place = os.path.realpath(file)
         if place in places:
             raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
@@ -156,9 +155,20 @@ def check_saves(
         for what, other in read.items():
             if place == os.path.realpath(other):
                 raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
+        suffix = file.suffix.lower()
         package = PACKAGES.get(suffix)
         if package is not None and find_spec(package) is None:
             raise LinkproofError(
                 f"--save {file}: expected {package}, got none: install it with: "
                 f"{install_words(suffix.removeprefix('.'))}"
             )
+
+
+def check_file(option: str, file: Path, suffixes: Sequence[str] = (), made: Path | None = None) -> None:
+    """Raise LinkproofError for a file of an option that cannot be written; ``made`` is a folder that will be there."""
+    if suffixes and file.suffix.lower() not in suffixes:
+        one = f"one of {', '.join(suffixes)}" if len(suffixes) > 1 else suffixes[0]
+        raise LinkproofError(f"{option} {file}: the suffix must be {one}; rename the file")
+    if not os.path.lexists(file.parent) and file.parent != made:
+        raise LinkproofError(f"{option} {file}: the folder '{file.parent}' does not exist; make it, or name another")
+    check_writable(file)

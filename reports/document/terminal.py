@@ -31,11 +31,13 @@ class Printout(NamedTuple):
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:
-    """Print parts below each other."""
+    """Print parts below each other; nothing where there are none."""
+    if not parts:
+        return
     screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
     if screen.is_terminal:
         screen.print(*_lines(parts), sep="\n")
-    elif parts:
+    else:
         write(rendered(*parts), sys.stderr if stderr else sys.stdout)
 
 

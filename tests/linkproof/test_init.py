@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 def test_each_of_its_names_can_be_imported():
     assert all(getattr(linkproof, name) is not None for name in linkproof.__all__)
     assert dir(linkproof) == sorted(linkproof.__all__)
-    with pytest.raises(AttributeError, match="'Mechanism': it has Comparison, Linkage"):
+    with pytest.raises(AttributeError, match="'Mechanism': it has Bounds, Comparison, Linkage"):
         _ = linkproof.Mechanism
 
 

@@ -106,7 +106,7 @@ def designer() -> dict[str, Any]:
 
 
 DESIGNED = ("juki-mf7923d", "rimoldi-164", "slotted-takeup", "two-crank-takeup", "spring-and-damper")  # with designs
-SLIPS = (["--no-gravity"], ["--speed", "950"], ["--clockwise"], [])  # of the curves that are judged
+SLIPS = (["--no-gravity"], ["--speed", "950"], ["--speed", "-1000"], [])  # of the curves that are judged
 
 
 def length_and_mass(name: str) -> list[str]:

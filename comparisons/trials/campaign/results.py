@@ -74,7 +74,7 @@ class Results:
     """A finished campaign: its document and its runs."""
 
     document: Mapping[str, Any]
-    runs: tuple[Run, ...]
+    runs: Iterable[Run]
 
     @cached_property
     def records(self) -> tuple[Error, ...]:

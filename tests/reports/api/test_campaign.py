@@ -7,37 +7,38 @@ from pathlib import Path
 
 import pytest
 
+import linkproof
 from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.trials.campaign.campaign import each_case
 from comparisons.trials.judging.limits import read_limits
-from reports.api.campaign import campaign, files, request, run_resources
-from reports.api.options import CompareOptions, RunLimits, StandardOptions, command_line
+from reports.api.campaign import chosen_linkages, request, run_resources
+from reports.api.options import Bounds, Motion
 
 JUKI = "juki-mf7923d"
 
 
-def names(options):
-    return [linkage.name for linkage in request(options).linkages]
+FAST = {"engine": "direct", "quantity": "Jeq", "bounds": Bounds(jobs=0)}
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("motion", "options", "words"),
     [
-        ({}, ""),
-        (
-            {"mechanisms": (JUKI,), "engine": ("direct",), "setting": ("naive", "best"), "variant": "as-printed"},
-            f"{JUKI} --variant as-printed --engine direct --setting naive --setting best",
-        ),
-        (
-            {"speed": 50.0, "start_angle": 78.79541471699513, "clockwise": True, "gravity": False},
-            "--speed 50 --start-angle 78.79541471699513 --clockwise --no-gravity",
-        ),
-        ({"mechanisms": ("path with spaces/mine.toml",)}, "'path with spaces/mine.toml'"),
+        ({}, {}, ""),
+        ({"variant": "as-printed"}, {"setting": ("naive", "best")}, "--setting naive --setting best "
+         "--variant as-printed"),
+        ({"speed": -50.0, "start_angle": 78.79541471699513, "gravity": False}, {},
+         "--speed -50 --start-angle 78.79541471699513 --no-gravity"),
+        ({}, {"limits": Path("my limits.toml"), "record": "c.csv", "junit": "j.xml"}, "--limits 'my limits.toml'"),
     ],
-)
-def test_the_command_repeats_the_request(options, words):
-    assert shlex.split(command_line("compare", CompareOptions(**options))) == shlex.split(f"linkproof compare {words}")
+)  # fmt: skip
+def test_the_command_repeats_the_request(motion, options, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("my limits.toml").write_text('[[limit]]\nquantities = ["Jeq"]\nvalue = 1\nreason = "mine"\n')
+    found = linkproof.compare(JUKI, Motion(**motion), **FAST, **options)
+    assert shlex.split(found.command)[:5] == ["linkproof", "compare", JUKI, "--engine", "direct"]
+    assert {*shlex.split(words)} <= {*shlex.split(found.command)}
+    assert "c.csv" not in found.command
 
 
 @pytest.mark.parametrize(
@@ -52,17 +53,17 @@ def test_the_command_repeats_the_request(options, words):
 )
 def test_impossible_limits_are_refused(limits, words):
     with pytest.raises(LinkproofError, match=words):
-        run_resources(RunLimits(**limits))
+        run_resources(Bounds(**limits))
 
 
 def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     weightless = tmp_path / "weightless.toml"
     weightless.write_text(re.sub("^gravity.*$", "", find(JUKI).read_text(), flags=re.MULTILINE))
-    options = CompareOptions(mechanisms=(JUKI, str(weightless)))
-    conditions = {case.mechanism.linkage.name: case.conditions for case in each_case(request(options))}
+    linkages, _, _ = chosen_linkages((JUKI, weightless), Motion())
+    conditions = {case.mechanism.linkage.name: case.conditions for case in each_case(request(linkages, Motion()))}
     assert conditions[JUKI].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
-    assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CompareOptions(gravity=False)).linkages)
+    assert all(linkage.gravity == (0.0, 0.0) for linkage in chosen_linkages((), Motion(gravity=False)).linkages)
 
 
 ROOT = Path(__file__).parents[3]
@@ -74,16 +75,10 @@ def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(tmp
     for path in map(Path, paths):
         path.parent.mkdir(parents=True)
         path.write_text(read("juki-mf7923d").text, encoding="utf-8")
-    found = [file.name for file in files(CompareOptions(mechanisms=paths))]
+    found = [file.name for file in chosen_linkages(paths, Motion()).files]
     assert found == ["a-press", "a-parts-press", "b-parts-press"]
     with pytest.raises(LinkproofError, match=r"both called '.*-press'"):
-        request(CompareOptions(mechanisms=(paths[0], str(tmp_path / paths[0]))))
-
-
-def test_the_words_ask_for_the_same_standard():
-    mine = StandardOptions(limits=Path("my limits.toml"), against=Path("b.csv"), record=Path("c.csv"))
-    words = "linkproof compare --limits 'my limits.toml' --against b.csv"
-    assert command_line("compare", CompareOptions(), mine) == words
+        chosen_linkages((paths[0], tmp_path / paths[0]), Motion())
 
 
 @pytest.mark.parametrize(
@@ -96,11 +91,13 @@ def test_the_words_ask_for_the_same_standard():
         ({"against": ROOT / "tests"}, "no results of compare in"),
         ({"record": Path("press.toml")}, "--record press.toml: the suffix must be .csv"),
         ({"record": ROOT / "README.md" / "a.csv"}, "cannot write"),
+        ({"record": Path("none/a.csv")}, "--record none/a.csv: the folder 'none' does not exist"),
+        ({"junit": Path("none/a.xml")}, "--junit none/a.xml: the folder 'none' does not exist"),
     ],
 )
 def test_what_cannot_be_read_or_written_is_refused_before_any_run(options, words):
     with pytest.raises(LinkproofError, match=words):
-        campaign(CompareOptions(engine=("direct",)), StandardOptions(**options))
+        linkproof.compare(engine="direct", **options)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +110,7 @@ def test_what_cannot_be_read_or_written_is_refused_before_any_run(options, words
 def test_a_limit_that_would_never_apply_is_refused(tmp_path, row, words):
     (tmp_path / "limits.toml").write_text(f'[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-3\n{row}\n')
     with pytest.raises(UnknownNameError, match=words):
-        campaign(CompareOptions(engine=("direct",)), StandardOptions(limits=tmp_path / "limits.toml"))
+        linkproof.compare(engine="direct", limits=tmp_path / "limits.toml")
 
 
 def test_the_limits_that_the_documentation_shows_are_read(tmp_path):

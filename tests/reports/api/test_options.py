@@ -62,7 +62,7 @@ def test_a_new_option_of_a_function_is_everywhere():
     [
         ({"speed": "3000"}, "speed: expected a number of rpm, got '3000'; pass a number"),
         ({"speed": True}, "speed: expected a number of rpm, got True"),
-        ({"clockwise": "yes"}, "clockwise: expected True or False, got 'yes'; pass one of them"),
+        ({"gravity": "yes"}, "gravity: expected True or False, got 'yes'; pass one of them"),
         ({"at": ["x"]}, "at: expected a number of degrees, got 'x'"),
         ({"time": [0.0, None]}, "time: expected a number of s, got None"),
     ],

@@ -148,17 +148,18 @@ def test_a_command_refuses_it_in_a_sentence(folder, place, bad):
     assert "\x1b" not in sentence
 
 
+FAST = {"engine": "direct", "bounds": linkproof.Bounds(jobs=0)}
 FUNCTIONS = {
     "linkage of check": (".toml", linkproof.check),
     "linkage of results": (".toml", linkproof.results),
     "linkage of sweep": (".toml", lambda path: linkproof.sweep(path, {"rocker.C.x": [10, 20]}).dataset),
     "linkage of judge": (".toml", lambda path: linkproof.judge(path, "results.csv")),
-    "linkage of compare": (".toml", lambda path: linkproof.compare(path, engine="direct", jobs=0)),
+    "linkage of compare": (".toml", lambda path: linkproof.compare(path, **FAST)),
     "results": (".csv", lambda path: linkproof.judge("juki-mf7923d", path)),
     "tolerances": (".toml", lambda path: linkproof.tolerance("juki-mf7923d", path).dataset),
-    "limits": (".toml", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, limits=path)),
-    "recorded": (".csv", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, against=path)),
-    "record": (".csv", lambda path: linkproof.compare("juki-mf7923d", engine="direct", jobs=0, record=path)),
+    "limits": (".toml", lambda path: linkproof.compare("juki-mf7923d", **FAST, limits=path)),
+    "recorded": (".csv", lambda path: linkproof.compare("juki-mf7923d", **FAST, against=path)),
+    "record": (".csv", lambda path: linkproof.compare("juki-mf7923d", **FAST, record=path)),
 }
 
 

@@ -1,27 +1,28 @@
 """The command line as a user meets it: exit codes, JSON, one sentence for every fault; streams, signals, imports."""
 
 import dataclasses
+import inspect
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
-from contextlib import chdir
+from contextlib import chdir, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 
+from analytic.description.loading import load as load_linkage
 from analytic.description.loading import read
 from comparisons.trials.campaign.results import load
 from comparisons.trials.runs.files import STORE
-from comparisons.trials.runs.store import begin
 from engines.pymunk_adapter.adapter import PymunkEngine
-from reports.api.campaign import request
-from reports.api.options import BenchOptions, CompareOptions, RunLimits, command_line
-from reports.command_line.app import app
-from reports.command_line.unfinished import finished_runs, own_study
+from reports.api import folders
+from reports.api.folders import own_study
+from reports.api.options import Bounds, Motion, silent
+from reports.api.trials import bench, compare
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
 from tests.comparisons.faults import announce, wait_for
 
@@ -56,7 +57,7 @@ def test_a_report_is_written_in_a_folder_whose_name_looks_like_markup(tmp_path):
     out = Path("o/[/x]")
     words = ("--engine", "direct", "--quantity", "Jeq", "--out", out)
     done = linkproof("compare", LINKAGES / "markup-names.toml", *words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, f"report: {out / 'index.html'}\n")
+    assert (done.returncode, done.stderr) == (0, f"wrote {out / 'index.html'}\n")
     folder = tmp_path / out
     assert {path.name for path in folder.iterdir()} == REPORT
 
@@ -263,45 +264,52 @@ def test_an_interrupted_campaign_is_finished_by_its_folder_alone(tmp_path, gate,
         assert untimed(finished[part]) == untimed(whole[part]) != []
 
 
-OPTIONS = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
+DEFAULTS = {name: each.default for name, each in inspect.signature(compare).parameters.items()}
 
 
-def begun(folder, options=OPTIONS, text="the file"):
-    campaign = request(options)
-    linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in campaign.linkages)
-    return finished_runs(folder, command_line("compare", options), campaign.engines, linkages)
+def begun(folder, text="the file", **options):
+    """The runs of a comparison that its folder keeps."""
+    given = DEFAULTS | {"mechanisms": ("juki-mf7923d",), "out": folder} | options
+    return folders.stored_runs(
+        compare, given, ["direct"], [dataclasses.replace(load_linkage("juki-mf7923d"), text=text)]
+    )
 
 
 def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_path, capsys):
-    faster = dataclasses.replace(OPTIONS, speed=2000.0)
     for other, words in (
         ({"text": "the file, changed"}, "`file of juki-mf7923d "),
-        ({"options": faster}, "now `linkproof compare juki-mf7923d --speed 2000 --engine direct`"),
+        ({"motion": Motion(speed=2000.0)}, "now `linkproof compare juki-mf7923d --speed 2000`"),
     ):
-        begun(tmp_path).add("run", {})
-        assert begun(tmp_path).keys == ["run"]
-        assert capsys.readouterr().err == ""
-        assert begun(tmp_path, **other).keys == []
-        assert words in capsys.readouterr().err
-        begun(tmp_path, **other).clear()
+        with suppress(RuntimeError), begun(tmp_path) as (runs, _):
+            runs.add("run", {})
+            raise RuntimeError("killed")
+        with suppress(RuntimeError), begun(tmp_path) as (runs, _):
+            assert runs.keys == ["run"]
+            assert capsys.readouterr().err == ""
+            raise RuntimeError("killed again")
+        with begun(tmp_path, **other) as (runs, _):
+            assert runs.keys == []
+            assert words in capsys.readouterr().err
 
 
-UNFINISHED = "linkproof compare juki-mf7923d --regime run-up --engine direct --time-limit 9"
+UNFINISHED = {
+    "mechanisms": ("juki-mf7923d",), "engine": ["direct"], "motion": Motion(regime="run-up"),
+    "bounds": Bounds(time_limit=9.0, jobs=1), "junit": Path("other.xml"),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("command", "typed", "found"),
-    [
-        ("compare", (CompareOptions(), RunLimits(jobs=2)), UNFINISHED),
-        ("compare", (OPTIONS, RunLimits()), "linkproof compare juki-mf7923d --engine direct"),
-        ("bench", (BenchOptions(),), "linkproof bench"),
-    ],
-)
-def test_a_folder_alone_means_its_own_unfinished_study(tmp_path, command, typed, found):
-    begin(tmp_path, UNFINISHED, f"{UNFINISHED} --out elsewhere --junit other.xml")
-    is_finished, bags = own_study(app, command, tmp_path, typed)
-    assert (is_finished, command_line(command, *bags)) == (False, found)
-    assert bags[1:] == () or bags[1].jobs == typed[1].jobs
+def test_a_folder_alone_means_its_own_unfinished_study(tmp_path):
+    with suppress(RuntimeError), begun(tmp_path, **UNFINISHED):
+        raise RuntimeError("killed")
+    alone = DEFAULTS | {"out": tmp_path, "bounds": Bounds(jobs=2)}
+    found = own_study(compare, alone)
+    assert (found.is_finished, found.begun["bounds"]) == (False, Bounds(time_limit=9.0, jobs=2))
+    assert {name: found.begun[name] for name in ("engine", "motion", "junit")} == {
+        "engine": ["direct"], "motion": Motion(regime="run-up"), "junit": None,
+    }  # fmt: skip
+    assert own_study(compare, alone | {"engine": ("direct",)}) == (False, None)
+    of_bench = {"mechanisms": (), "motion": Motion(), "engine": (), "quantity": (), "quick": False}
+    assert own_study(bench, of_bench | {"out": tmp_path, "announce": silent}) == (False, None)
 
 
 ON_WINDOWS = (

@@ -84,7 +84,7 @@ def test_bad_input_is_refused(words, options, sentence):
 @pytest.mark.parametrize(
     ("words", "options"),
     [
-        (["rimoldi-164", "--speed", "1200", "--clockwise"], {"motion": linkproof.Motion(speed=1200, clockwise=True)}),
+        (["rimoldi-164", "--speed", "-1200"], {"motion": linkproof.Motion(speed=-1200)}),
         (
             ["juki-mf7923d", "--at", "0,90.5", "--no-gravity"],
             {"at": [0, 90.5], "motion": linkproof.Motion(gravity=False)},

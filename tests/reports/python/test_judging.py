@@ -10,29 +10,29 @@ from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import find, read
-from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.campaign.results import Results
 from comparisons.trials.conformance import conformance
 from engines.registry import Unusable
 from tests.commands import linkproof as command
 
-FAST = {"engine": "direct", "jobs": 0}
+FAST = {"engine": "direct", "bounds": linkproof.Bounds(jobs=0)}
 
 
 def test_records_are_a_table_and_a_picture_by_run_and_quantity():
     found = linkproof.compare("juki-mf7923d", setting=["naive", "tuned"], **FAST)
-    assert found.passed
+    assert found.ok
     assert found.command == "linkproof compare juki-mf7923d --engine direct --setting naive --setting tuned"
     drawn = {text.get_text() for text in found.plot(regime="run-up").findobj(Text)}
     assert {"largest |error| / peak", "Mkr"} <= drawn
     with pytest.raises(linkproof.LinkproofError, match="unknown regime 'runup': did you mean 'run-up'"):
         found.plot(regime="runup")
-    table = found.table
+    table = found.dataset
     assert table["setting"].values.tolist() == ["naive", "tuned"]
     for record in found.records:
         row = table.isel(run=["naive", "tuned"].index(record.setting)).sel(quantity=record.quantity)
         assert np.array_equal(row["error_max"], np.float64(record.error_max), equal_nan=True)
         assert row["outcome"].item() == record.outcome
-    assert table["steps"].values.tolist() == [run.steps for run in found.judged.runs]
+    assert table["steps"].values.tolist() == [run.steps for run in found.results.runs]
 
 
 def test_a_check_gives_the_comparison_or_shows_every_row_over_its_limit_of_a_file(tmp_path):
@@ -81,7 +81,7 @@ def test_no_slip_passes(tmp_path, slip):
 
     def compare(**more):
         linkages = [tmp_path / name for name in files if name != "limits.toml"]
-        return linkproof.compare(*linkages, quantity="Jeq", **more, **FAST).check()
+        return linkproof.compare(linkages, quantity="Jeq", **more, **FAST).check()
 
     for name, content in files.items():
         (tmp_path / name).write_text(content, encoding="utf-8")
@@ -97,13 +97,16 @@ def test_no_slip_passes(tmp_path, slip):
 
 
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
-    found = linkproof.Comparison(JudgedCampaign(None, None, ()), None)
-    with pytest.raises(linkproof.LinkproofError, match="got no run at all"):
+    found = linkproof.Comparison(Results({}, ()))
+    with pytest.raises(linkproof.LinkproofError, match="nothing to run"):
         found.check()
 
 
-def test_a_linkage_has_to_be_a_name_or_a_path():
-    with pytest.raises(linkproof.LinkproofError, match="expected names and paths of linkages, got a int: give its"):
+def test_a_linkage_is_compared_as_its_file_is_and_nothing_else():
+    linkage = linkproof.load("juki-mf7923d", "as-printed")
+    found = linkproof.compare(linkage, quantity="Jeq", **FAST)
+    assert [(record.mechanism, record.variant) for record in found.records] == [("juki-mf7923d", "as-printed")]
+    with pytest.raises(linkproof.LinkproofError, match=r"expected a linkage, its name or path, .*, got 3;"):
         linkproof.compare(3)
 
 
@@ -164,7 +167,7 @@ def test_an_engine_that_cannot_be_used_is_an_error(engine, words):
 @pytest.mark.parametrize(
     ("make", "words", "line", "rows"),
     [
-        (lambda: linkproof.compare(NAME, engine="direct", quantity=("Mkr", "S"), jobs=0),
+        (lambda: linkproof.compare(NAME, quantity=("Mkr", "S"), **FAST),
          ("compare", NAME, "--engine", "direct", "--quantity", "Mkr", "--quantity", "S", "--jobs", "0"),
          "<Comparison: 2 deviations: 2 passed; ", [("Mkr", "passed"), ("S", "passed")]),
         (lambda: linkproof.judge(NAME, "a<b.csv", motion=linkproof.Motion(regime="run-up")),

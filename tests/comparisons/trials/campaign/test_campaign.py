@@ -21,7 +21,7 @@ from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, 
 from engines.registry import engine, own_names, why_unavailable
 from engines.scene import Channel
 from reports.api.campaign import request
-from reports.api.options import CompareOptions
+from reports.api.options import Motion
 from tests.analytic.linkages import FOLDER
 from tests.analytic.swinging import double_rocker_text
 from tests.comparisons.true_motions import cut, perfect_motion
@@ -332,6 +332,11 @@ OTHERS = [name for name in own_names() if name != "direct" and why_unavailable(e
 ENGINES = ["direct", *(pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS)]
 
 
+def _own(path, engine_name, *regimes, quantity=()):
+    """The runs of a linkage file in an engine under its own regimes."""
+    return request([load(path)], Motion(regime=regimes), engine=(engine_name,), quantity=quantity)
+
+
 @pytest.fixture
 def rocker(tmp_path):
     path = tmp_path / "rocker.toml"
@@ -341,8 +346,7 @@ def rocker(tmp_path):
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
-    choice = CompareOptions(mechanisms=(rocker,), engine=(name,), regime=("rocking", "servo"))
-    results = list(compare(request(choice), pool=LocalPool(0)))
+    results = list(compare(_own(rocker, name, "rocking", "servo"), pool=LocalPool(0)))
     assert [result.regime for result in results] == ["rocking", "servo"]
     for result in results:
         verdicts = {record.quantity: record.outcome for record in (*result.errors, *result.invariants)}
@@ -371,10 +375,8 @@ duration = 0.02
 def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
     path = tmp_path / "rocker.toml"
     path.write_text(double_rocker_text(regimes=RELEASED))
-    choice = CompareOptions(
-        mechanisms=(str(path),), engine=(name,), regime=("own",), quantity=("phi", "omega", "S", "a")
-    )
-    for result in compare(request(choice), pool=LocalPool(0)):
+    asked = _own(path, name, "own", quantity=("phi", "omega", "S", "a"))
+    for result in compare(asked, pool=LocalPool(0)):
         outcomes = {record.outcome for record in result.errors}
         if outcomes == {Verdict.UNSUPPORTED}:
             assert result.regime == "angled" or not engine(name).abilities.timed_torque
@@ -400,10 +402,8 @@ time = 1
 def test_a_cylinder_follows_a_law_in_millimetres(tmp_path):
     path = tmp_path / "boom.toml"
     path.write_text((FOLDER / "drives" / "boom.toml").read_text() + LINEAR)
-    choice = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("lift",))
-    (lift,) = compare(request(choice), pool=LocalPool(0))
+    (lift,) = compare(_own(path, "direct", "lift"), pool=LocalPool(0))
     assert lift.conditions.startswith("modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on")
     assert {record.outcome for record in (*lift.errors, *lift.invariants)} == {Verdict.PASSED}
-    too_far = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("too-far",))
     with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
-        list(compare(request(too_far), pool=LocalPool(0)))
+        list(compare(_own(path, "direct", "too-far"), pool=LocalPool(0)))

@@ -124,11 +124,11 @@ def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
 
 def test_the_speed_may_be_varied_and_is_printed_since_no_file_has_it(tmp_path):
     best, results = tmp_path / "best.toml", tmp_path / "best.json"
-    words = (*PEAK, "--no-gravity", "--clockwise", "--over", "speed=±20%")
+    words = (*PEAK, "--no-gravity", "--speed", "-1000", "--over", "speed=±20%")
     done = optimised(*words, "--save", best, "--save", results)
     assert saved(results)[2]["Mkr.peak"]["change"] == pytest.approx(0.8**2 - 1.0, rel=1e-9)  # at the lower bound
     assert "It is the best design at 800 rpm: a linkage file has no speed." in done.stdout
-    assert f"linkproof compare {best} --speed 800 --clockwise --no-gravity" in done.stdout
+    assert f"linkproof compare {best} --speed -800 --no-gravity" in done.stdout
     assert load(best).links == load("rimoldi-164").links
 
 

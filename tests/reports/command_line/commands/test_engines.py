@@ -14,9 +14,8 @@ from analytic.errors import LinkproofError
 from comparisons.trials.conformance import conformance
 from comparisons.trials.judging.records import Run, Verdict
 from engines.registry import own_names
-from reports.api.options import CompareOptions
-from reports.api.trials import check_engine
-from reports.command_line.commands.script import write_script
+from reports.api.options import Motion
+from reports.api.trials import check_engine, compare
 from reports.studies import engine_trials
 from tests.commands import linkproof, refused
 from tests.comparisons.trials.conformance.wrong_engines import Direct, PrintingEngine
@@ -137,11 +136,11 @@ SHORT = ("--ramp-time", "0.05", "--hold-time", "0.01")
 def test_a_script_names_its_run_and_the_command_that_wrote_it(tmp_path):
     pytest.importorskip("exudyn")
     done = linkproof("compare", "rimoldi-164", *SHORT, "--engine", "exudyn", "--script", "case.py", cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "wrote case.py\n")
     text = (tmp_path / "case.py").read_text(encoding="utf-8")
     title = " ".join(ast.get_docstring(ast.parse(text)).split())
     assert title.startswith("rimoldi-164 (as-built), run-up, in exudyn ")
-    assert f"linkproof compare rimoldi-164 {' '.join(SHORT)} --engine exudyn --script case.py" in title
+    assert f"linkproof compare rimoldi-164 --engine exudyn --script case.py {' '.join(SHORT)}" in title
     assert not {"linkproof", "analytic", "engines", "comparisons"} & set(text.partition("\nimport")[2].split())
 
 
@@ -150,13 +149,15 @@ def test_a_script_names_its_run_and_the_command_that_wrote_it(tmp_path):
     ({"setting": ("all",)}, "got 1 motions and 3 settings: name one --regime and one --setting"),
     ({"engine": ("direct",)}, r"whose loop is a module of its own \(a LoopEngine\), got 'direct': export another"),
     ({"engine": ("exudin",)}, "did you mean 'exudyn'"),
-    ({"engine": ()}, "got 1 mechanisms and 0 engines: name one MECHANISM and one --engine"),
-    ({"mechanisms": ()}, "got 0 mechanisms and 1 engines"),
+    ({"engine": ("direct", "exudyn")}, "got 1 mechanisms and 2 engines: name one MECHANISM and one --engine"),
+    ({"mechanisms": ()}, r"got \d+ mechanisms and 1 engines"),
+    ({"script": "none/case.py"}, "--script none/case.py: the folder 'none' does not exist"),
     ({"quantity": ("Mkr",)}, "--script runs nothing: leave out every option but"),
 ])  # fmt: skip
 def test_what_is_not_one_run_has_no_script_and_one_sentence(changes, sentence, tmp_path):
     pytest.importorskip("exudyn")
-    given = {"mechanisms": ("rimoldi-164",), "engine": ("exudyn",), "ramp_time": 0.05, "hold_time": 0.01}
+    short = Motion(ramp_time=0.05, hold_time=0.01)
+    given = {"mechanisms": "rimoldi-164", "engine": "exudyn", "motion": short, "script": tmp_path / "case.py"}
     with pytest.raises(LinkproofError, match=sentence):
-        write_script(tmp_path / "case.py", CompareOptions(**given | changes))
+        compare(**given | changes)
     assert not list(tmp_path.iterdir())

@@ -10,21 +10,16 @@ from xml.etree import ElementTree
 import pytest
 
 from analytic.description.loading import read
-from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.trials.campaign import results
 from comparisons.trials.runs.files import STORE
 from comparisons.trials.runs.store import unfinished_command
 from comparisons.trials.stress import campaign
 from comparisons.trials.work_precision.study import Extent
 from comparisons.trials.work_precision.table import load
-from reports.api.options import BenchOptions, RunsOptions, StressOptions
-from reports.command_line.commands import bench as bench_command
-from reports.command_line.commands import stress as stress_command
-from reports.command_line.commands.bench import bench
-from reports.command_line.commands.stress import run as stress
-from reports.command_line.destination import Destination
+from reports.api import bench, stress
+from reports.api.options import Motion
 from reports.records import limit_table
-from tests.commands import linkproof
+from tests.commands import linkproof, refused
 from tests.comparisons.faults import PATIENCE, announce
 
 PRESSES = ("a/press.toml", "b/press.toml")
@@ -69,7 +64,7 @@ def _failed(file):
 
 def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folder):
     done = _compare(folder, *PRESSES, "--out", "held", "--record", "held.csv")
-    assert (done.returncode, done.stderr) == (0, f"report: {Path('held/index.html')}\n")
+    assert (done.returncode, done.stderr) == (0, f"wrote held.csv\nwrote {Path('held/index.html')}\n")
     recorded = (folder / "held.csv").read_bytes()
     assert linkproof("compare", "--out", "held", "--record", "held.csv", cwd=folder).returncode == 0
     assert (folder / "held.csv").read_bytes() == recorded
@@ -122,31 +117,25 @@ def test_an_engine_that_prints_leaves_stdout_to_json(folder, monkeypatch):
 
 
 SHORT = Extent((12.0, 24.0, 48.0), budget=PATIENCE, repeats=2, patience=PATIENCE)
-BENCH = BenchOptions(
-    mechanisms=("juki-mf7923d",), engine=("direct",), regime=("run-up-quintic",), quantity=("Mkr",), quick=True
-)
+BENCH = ("bench", "juki-mf7923d", "--engine", "direct", "--quantity", "Mkr", "--quick")
 
 
 @pytest.fixture
 def short(monkeypatch):
     """A benchmark of seconds: a short run-up, three steps."""
-    monkeypatch.setattr(bench_command, "QUICK", SHORT)
-    hurried = RunsOptions(
-        mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
-    )
-    monkeypatch.setattr(bench_command, "_default_runs", lambda options: hurried)
+    monkeypatch.setattr(bench, "QUICK", SHORT)
+    hurried = Motion(regime="run-up-quintic", ramp_time=0.1, hold_time=0.0)
+    monkeypatch.setattr(bench, "usual_motion", lambda *_, **__: hurried)
 
 
-def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
-    assert bench(BENCH, Destination(out=tmp_path / "out")) == 0
-    text = capsys.readouterr().out
+def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path):
+    done = linkproof(*BENCH, "--out", tmp_path / "out")
+    assert done.returncode == 0
     for words in ("juki-mf7923d (as-built), run-up-quintic: Mkr", "to get"):
-        assert words in text
+        assert words in done.stdout
     saved = load(tmp_path / "out").as_dict
     assert {row["setting"] for row in saved["records"]} >= {"naive", "tuned", "best", "exact"}
-    assert saved["command"] == (
-        "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
-    )
+    assert saved["command"] == " ".join(("linkproof", *BENCH))
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names >= {STORE, "bench.html", "assets"}
     assert unfinished_command(tmp_path / "out") == ""
@@ -154,20 +143,15 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("options", "kind", "words"),
+    ("options", "words"),
     [
-        (BenchOptions(quantity=("torqe",)), UnknownNameError, "Mkr"),
-        (
-            BenchOptions(mechanisms=("slotted-takeup",), regime=("own",), quantity=("Mkr",)),
-            LinkproofError,
-            "none of Mkr is a result",
-        ),
+        (("--quantity", "torqe"), "did you mean 'Mkr'"),
+        (("slotted-takeup", "--regime", "own", "--quantity", "Mkr"), "none of Mkr is a result"),
     ],
 )
-def test_bad_input_of_a_benchmark_is_refused_before_any_run(options, kind, words, monkeypatch):
-    monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
-    with pytest.raises(kind, match=words):
-        bench(options, Destination())
+def test_bad_input_of_a_benchmark_is_refused_before_any_run(options, words, monkeypatch):
+    monkeypatch.setattr(bench, "measure_all", lambda *_: pytest.fail("something was run"))
+    assert words in refused("bench", *options)
 
 
 CELL = "start/positions/1e-08/direct/tuned"
@@ -180,46 +164,37 @@ def _unhurried(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("choice", "options", "words"),
+    ("options", "words"),
     [
-        (StressOptions(words=("start", CELL)), {}, "either axes or cells"),
-        (StressOptions(), {"jobs": 0}, "--jobs"),
+        (("start", CELL), "either axes or cells"),
+        (("--jobs", "0"), "--jobs"),
+        (("start", "--engine", "direct", "--setting", "no such", "--quick"), "no stability run matches no such"),
+        ((CELL, "--out", "out"), "--out takes whole maps"),
     ],
 )
-def test_bad_input_is_refused_before_any_cell_is_made(choice, options, words, monkeypatch):
-    monkeypatch.setattr(stress_command, "stress", lambda *_: pytest.fail("cells were made"))
-    with pytest.raises(LinkproofError, match=words):
-        stress(choice, Destination(), **options)
-
-
-def test_no_cell_at_all_is_no_success(tmp_path):
-    choice = StressOptions(words=("start",), engine=("direct",), setting=("no such setting",), quick=True)
-    with pytest.raises(LinkproofError, match="no stability run matches no such setting"):
-        stress(choice, Destination(out=tmp_path))
+def test_bad_input_is_refused_before_any_cell_is_made(options, words, monkeypatch, tmp_path):
+    monkeypatch.setattr(stress, "make_maps", lambda *_: pytest.fail("cells were made"))
+    assert words in refused("stress", *options, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_cell_alone_is_printed_in_full_and_written_as_json(capsys):
-    assert stress(StressOptions(words=(CELL,)), Destination()) == 0
-    text = " ".join(capsys.readouterr().out.split())
+def test_a_cell_alone_is_printed_in_full_and_written_as_json():
+    text = " ".join(linkproof("stress", CELL).stdout.split())
     assert text.startswith(f"{CELL}: within limit")
     assert "Worst invariant:" in text
-    stress(StressOptions(words=(CELL,)), Destination(json=True))
-    (cell,) = json.loads(capsys.readouterr().out)["cells"]
+    (cell,) = json.loads(linkproof("stress", CELL, "--json").stdout)["cells"]
     assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
 
 
-def test_a_run_whose_numbers_leave_all_bounds_has_diverged(capsys):
+def test_a_run_whose_numbers_leave_all_bounds_has_diverged():
     pytest.importorskip("pymunk")
-    stress(StressOptions(words=("stiffness/spring, driven/1e+08/pymunk/naive",)), Destination())
-    assert ": diverged" in capsys.readouterr().out
+    assert ": diverged" in linkproof("stress", "stiffness/spring, driven/1e+08/pymunk/naive").stdout
 
 
-def test_maps_are_written_and_read_back(tmp_path, capsys):
-    choice = StressOptions(words=("start",), engine=("direct",), setting=("tuned",), quick=True)
-    assert stress(choice, Destination(out=tmp_path)) == 0
+def test_maps_are_written_and_read_back(tmp_path):
+    done = linkproof("stress", "start", "--engine", "direct", "--setting", "tuned", "--quick", "--out", tmp_path)
+    assert done.returncode == 0
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {STORE, "stress.html", "index.html", "assets"}
-    tables = capsys.readouterr().out
-    assert "missed 0" in " ".join(tables.split())
-    assert linkproof("stress", "--out", tmp_path).stdout == tables
+    assert "missed 0" in " ".join(done.stdout.split())
+    assert linkproof("stress", "--out", tmp_path).stdout == done.stdout

@@ -7,9 +7,10 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.trials.judging.changes import Change, ChangeKind
 from comparisons.trials.judging.records import Error
+from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.cells import find_cell
 from comparisons.trials.stress.verdict import StressVerdict
-from reports.api.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
+from reports.studies.trials import Benchmark, StabilityMaps, campaign_exit_code
 from tests.comparisons.bench_rows import bench_of, row
 
 
@@ -47,7 +48,7 @@ def test_what_is_not_as_recorded_fails(kind, code):
 def test_nothing_judged_is_no_success():
     with pytest.raises(LinkproofError, match=r"got none: unsupported, it is unsupported \(and 1 other reasons\)$"):
         campaign_exit_code([_record("unsupported"), _record("unsupported"), _record("computed")])
-    with pytest.raises(LinkproofError, match="no run at all"):
+    with pytest.raises(LinkproofError, match="nothing to run"):
         campaign_exit_code([])
 
 
@@ -58,16 +59,20 @@ def _cell(verdict):
 
 def test_a_map_fails_by_its_worst_cell():
     within, missed, ours = map(_cell, (StressVerdict.WITHIN, StressVerdict.MISSED, StressVerdict.SUITE_ERROR))
-    assert [stress_exit_code([within, *more]) for more in ([], [missed], [missed, ours])] == [0, 1, 3]
+    every = [[within, *more] for more in ([], [missed], [missed, ours])]
+    assert [StabilityMaps(Stress({}, cells)).exit_code for cells in every] == [0, 1, 3]
     with pytest.raises(LinkproofError, match="got none: unsupported, so it is"):
-        stress_exit_code([_cell(StressVerdict.UNSUPPORTED)])
+        _ = StabilityMaps(Stress({}, [_cell(StressVerdict.UNSUPPORTED)])).exit_code
+
+
+def _bench_code(*runs):
+    return Benchmark(bench_of(*runs)).exit_code
 
 
 def test_a_benchmark_fails_where_an_engine_gave_nothing():
     absent = row(engine="beta", outcome="unavailable", error_max=None, detail="not installed")
     broken, ours = (row(engine="beta", outcome=outcome, error_max=None) for outcome in ("adapter-error", "suite-error"))
     others = (row(engine="beta"), absent, broken, ours)
-    codes = [bench_exit_code(bench_of(row(), other), ("alpha", "beta")) for other in others]
-    assert codes == [0, 0, 1, 3]
+    assert [_bench_code(row(), other) for other in others] == [0, 0, 1, 3]
     with pytest.raises(LinkproofError, match="got none: unavailable, not installed"):
-        bench_exit_code(bench_of(absent), ("beta",))
+        _bench_code(absent)

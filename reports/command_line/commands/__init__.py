@@ -1,1 +1,0 @@
-"""The work of the commands once their options are read: a module per group of commands."""

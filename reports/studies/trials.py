@@ -1,0 +1,346 @@
+"""Runs of engines: a comparison with the closed form, a benchmark, stability maps; each kept in a folder as well."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.designer.linkage_check import warnings
+from comparisons.trials.campaign import results as campaign
+from comparisons.trials.campaign.results import Results, with_runs, write_curves
+from comparisons.trials.judging.changes import Change, write_rows
+from comparisons.trials.judging.limits import deciding
+from comparisons.trials.judging.records import Error, Verdict
+from comparisons.trials.runs.files import write_file
+from comparisons.trials.runs.run_engine import Failure
+from comparisons.trials.stress import campaign as stress_test
+from comparisons.trials.stress.campaign import Stress
+from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.work_precision import table as work_precision
+from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
+from comparisons.trials.work_precision.table import Bench
+from engines.contract import Outcome, Setting
+from reports import stress as stress_words
+from reports.campaign.terminal import printout
+from reports.document.study import Content, Study, check_file
+from reports.document.terminal import Printed, Printout
+from reports.studies.judged import failed_rows
+from reports.work_precision import words as bench_words
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
+Named = TypeVar("Named")
+RUN = ("mechanism", "variant", "regime", "engine", "setting")
+FAILED, SUITE_ERROR = 1, 3  # exit codes
+
+
+class Trials(Study):
+    """Runs of engines, which a ``folder`` keeps; of ``processes`` of a page's writing None is one per core."""
+
+    folder: Path | None
+    processes: int | None
+
+    def store(self, folder: Path) -> None:
+        """Write the study into a folder, in the place of another of its kind."""
+        raise NotImplementedError
+
+    def write(self, folder: str | Path) -> Path:
+        """Write the runs into a folder, unless it keeps them, and the pages; the first page."""
+        from reports.site import write_site  # noqa: PLC0415 - figures cost seconds that a table does not pay
+
+        place = Path(folder)
+        if place != self.folder:
+            self.store(place)
+        try:
+            return write_site(place, processes=self.processes)
+        except LinkproofError as error:
+            raise LinkproofError(f"the results are saved in '{place}', but no pages are written: {error}") from error
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Trials):
+    """The result of a comparison: a record per run, quantity and check, and the changes since earlier results.
+
+    ``repr`` is a line, ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
+    """
+
+    suffixes: ClassVar = (".json", ".csv")
+    results: Results
+    folder: Path | None = None
+    processes: int | None = None
+    remark: str = ""
+    written: tuple[Path, ...] = ()
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Comparison:
+        """The comparison in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+        return cls(campaign.load(Path(folder)), Path(folder))
+
+    def store(self, folder: Path) -> None:
+        """Write the comparison into a folder, in the place of another there."""
+        campaign.save(folder, self.results.document, self.results.runs)
+
+    def with_files(self, record: Path | None, junit: Path | None) -> Comparison:
+        """The comparison, once its rows, and its verdicts as test cases of JUnit, are written."""
+        if record is not None:
+            write_rows(self.results.rows, record)
+        if junit is not None:
+            from reports.campaign.summary import junit as test_cases  # noqa: PLC0415 - a table needs none of it
+
+            write_file(junit, test_cases(self.results.runs, self.changes))
+        return replace(self, written=tuple(file for file in (record, junit) if file is not None))
+
+    @property
+    def records(self) -> tuple[Error, ...]:
+        """Errors beside their limits, and invariants."""
+        return tuple(error for run in self.results.runs for error in run.every)
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """What has changed since the results of ``against`` were recorded; those that appeared do not fail."""
+        return self.results.changes
+
+    @property
+    def command(self) -> str:
+        """The command that repeats it."""
+        return str(self.results.document["command"])
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Probable slips of the linkages' files."""
+        return [text for linkage in self.results.linkages for text in warnings(linkage)]
+
+    def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
+        """Every error and limit of a mechanism under a regime, the first ones by default, as a figure of matplotlib.
+
+        Raises UnknownNameError for a name that was not compared.
+        """
+        from reports.charts.draw import figure  # noqa: PLC0415
+        from reports.mechanism.engines import errors_chart  # noqa: PLC0415
+        from reports.records import views  # noqa: PLC0415
+
+        view = _value_by_name("mechanism", mechanism, {view.linkage.name: view for view in views(self.results)})
+        motions = {motion.name: motion for motion in view.regimes}
+        return figure(errors_chart(view, _value_by_name("regime", regime, motions)))
+
+    def printout(self) -> Printout:
+        """One table per mechanism and regime, then what has changed."""
+        results = self.results
+        return printout(results.runs, results.changes, results.document["environment"])
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The document with all records; errors are shares of the peak."""
+        return with_runs(self.results.document, self.results.runs)
+
+    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
+        """Every record, or every curve as CSV."""
+        return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
+
+    def rows(self) -> Sequence[Mapping[str, Any]]:
+        """A row for each record."""
+        return [row for run in self.results.runs for row in run.rows(run.every)]
+
+    @property
+    def exit_code(self) -> int:  # type: ignore[override]
+        """1 where a record fails, naive ones only without other settings, or a change does."""
+        return campaign_exit_code(self.records, self.changes)
+
+    def failures(self) -> Sequence[str]:
+        """A line for every error over its limit, every failed run, and what is not as it was recorded."""
+        ours = [record for record in self.records if record.outcome == Verdict.SUITE_ERROR]
+        failed = [record for record in deciding(self.records) if Verdict(record.outcome).failed]
+        rows = failed_rows([*failed, *ours])
+        changed = [entry.sentence for entry in self.changes if entry.fails]
+        return [f"{len(rows)} of {len(self.records)} errors and checks failed", *rows, *changed]
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """The records over ``run`` and ``quantity``: errors and limits as shares of the peak, NaN where there is none.
+
+        ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with
+        ``setup_seconds``, ``seconds`` of stepping and ``steps`` of each.
+        """
+        import xarray  # noqa: PLC0415  half a second that records alone save
+
+        runs = {run.run: run for run in self.results.runs}
+        quantities = list(dict.fromkeys(record.quantity for record in self.records))
+        places = {(record.run, record.quantity): record for record in self.records}
+
+        def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
+            groups = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
+            return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in groups]
+
+        labels = {name: ("run", [run[number] for run in runs]) for number, name in enumerate(RUN)}
+        return xarray.Dataset(
+            {
+                **{name: (*cells(name, math.nan), {"units": "1"}) for name in ("error_max", "error_rms", "limit")},
+                "outcome": cells("outcome", ""),
+                **{
+                    name: ("run", [getattr(run, name) for run in runs.values()], {"units": "s"})
+                    for name in ("setup_seconds", "seconds")
+                },
+                "steps": ("run", [run.steps for run in runs.values()]),
+            },
+            coords={"quantity": quantities, **labels},
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class Script(Comparison):
+    """A comparison of which nothing was run: its one run was ``written`` as a script."""
+
+    exit_code: ClassVar[int] = 0  # type: ignore[misc]
+
+    def sentence(self) -> Printed:
+        """The file."""
+        return f"wrote {self.written[0]}"
+
+    def printout(self) -> Printout:
+        """Nothing: the command tells every file that is written."""
+        return Printout((), ())
+
+
+def check_files(record: Path | None, junit: Path | None) -> None:
+    """Raise LinkproofError before the work for a file of a comparison that cannot be written."""
+    if record is not None:
+        check_file("--record", record, (".csv",))
+    if junit is not None:
+        check_file("--junit", junit)
+
+
+def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
+    """The value of a name, or the first value if ``name`` is None; raises UnknownNameError."""
+    if name is not None and name not in known:
+        raise UnknownNameError(what, name, known)
+    return known[name] if name is not None else next(iter(known.values()))
+
+
+@dataclass(frozen=True, repr=False)
+class Benchmark(Trials):
+    """Errors against run times of engines: a point per engine, setting or method, and step.
+
+    ``to_pandas`` has a row for every point and quantity.
+    """
+
+    bench: Bench
+    folder: Path | None = None
+    processes: int | None = None
+    remark: str = ""
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Benchmark:
+        """The benchmark in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+        return cls(work_precision.load(Path(folder)), Path(folder))
+
+    def store(self, folder: Path) -> None:
+        """Write the benchmark into a folder."""
+        work_precision.save(folder, self.bench)
+
+    def printout(self) -> Printout:
+        """The fronts of each quantity, and what is cheapest."""
+        named = tuple(self.bench.document["quantities"])
+        return bench_words.printout(self.bench, () if named == QUANTITIES else named)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The document and all points; times in s."""
+        return self.bench.as_dict
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every point and quantity."""
+        return self.bench.table
+
+    @property
+    def exit_code(self) -> int:  # type: ignore[override]
+        """1 if an engine finished no point without an excuse; raises LinkproofError if no point could be measured."""
+        excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
+        points = list(self.bench.table.itertuples())
+        useful = {point.engine for point in points if point.outcome in excused or point.detail == OUT_OF_TIME}
+        asked = {point.engine for point in points}  # each has one, if only to say that there was no time
+        reasons = Counter((point.outcome, point.detail) for point in points)
+        is_ours = any(outcome == Failure.SUITE_ERROR for outcome, _ in reasons)
+        return _exit_code(is_ours, not useful.issuperset(asked), any(point.finished for point in points), reasons)
+
+
+@dataclass(frozen=True, repr=False)
+class StabilityMaps(Trials):
+    """Which conditions each engine stands, and whether the checks detect where it fails; or cells alone."""
+
+    stress: Stress
+    folder: Path | None = None
+    processes: int | None = None
+    remark: str = ""
+    are_cells: bool = False
+
+    @classmethod
+    def load(cls, folder: str | Path) -> StabilityMaps:
+        """The maps in a folder; no engine is imported. Raises LinkproofError if they are missing or damaged."""
+        return cls(stress_test.load(Path(folder)), Path(folder))
+
+    def store(self, folder: Path) -> None:
+        """Write the maps into a folder."""
+        stress_test.save(folder, self.stress)
+
+    def printout(self) -> Printout:
+        """Counts and borders of the maps; of a cell alone every detail."""
+        if self.are_cells:
+            return Printout([stress_words.cell_details(cell) for cell in self.stress.cells], ())
+        return stress_words.printout(self.stress)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The document and all cells."""
+        return {"cells": self.rows()} if self.are_cells else self.stress.as_dict
+
+    def rows(self) -> Sequence[Mapping[str, Any]]:
+        """A row for every cell."""
+        return [cell.data for cell in self.stress.cells]
+
+    @property
+    def exit_code(self) -> int:  # type: ignore[override]
+        """1 if the checks missed a wrong motion; raises LinkproofError if no cell is judged."""
+        reasons = {cell.verdict: cell.reason for cell in self.stress.cells}
+        is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
+        counts = Counter((verdict.value, reason) for verdict, reason in reasons.items())
+        return _exit_code(StressVerdict.SUITE_ERROR in reasons, StressVerdict.MISSED in reasons, is_judged, counts)
+
+
+def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ()) -> int:
+    """The exit code of records; naive ones count only without other settings.
+
+    Of ``changes`` since results were recorded those that fail count. Raises LinkproofError if no record is judged.
+    """
+    naive, others = set[Verdict](), set[Verdict]()
+    reasons: Counter[tuple[str, str]] = Counter()
+    for record in records:
+        verdict = Verdict(record.outcome)
+        (naive if record.setting == Setting.NAIVE else others).add(verdict)
+        if not verdict.judged:
+            reasons[record.outcome, record.detail] += 1
+    decisive = others or naive
+    is_ours = Verdict.SUITE_ERROR in naive | others
+    has_failed = any(entry.failed for entry in decisive) or any(entry.fails for entry in changes)
+    return _exit_code(is_ours, has_failed, any(entry.judged for entry in decisive), reasons)
+
+
+def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
+    """A fault of linkproof precedes a failure; raises LinkproofError if nothing is judged, with the commonest reason.
+
+    ``counts`` are those of outcomes that are not judged, each with its reason.
+    """
+    if is_ours or has_failed:
+        return SUITE_ERROR if is_ours else FAILED
+    if is_judged:
+        return 0
+    if not counts:
+        raise LinkproofError("nothing to run: no regime, map or setting matches the request")
+    (outcome, reason), _ = counts.most_common(1)[0]
+    others = "" if len(counts) == 1 else f" (and {len(counts) - 1} other reasons)"
+    raise LinkproofError(f"expected a run to judge, got none: {outcome}, {reason.rstrip('.')}{others}")
