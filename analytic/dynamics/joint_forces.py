@@ -16,7 +16,7 @@ in ``Spring.links``, and the joint forces of this pin hold that link in balance.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -291,107 +291,83 @@ Array = NDArray[np.float64]
 # Force analysis of the Assur groups: from the wrenches that links need to the forces in the group's joints.
 #
 # A group is statically determinate: its equations of equilibrium have the unknowns of its joints, two to a pin or a
-# slide and one to a cylinder. A dyad is solved in closed form: each kind reduces to a 2×2 system at most, the
-# transpose of the one which its velocities solve; its determinant vanishes in the same dead positions. (Kinetostatics
-# of Assur groups: I. I. Artobolevskii, Theory of Mechanisms and Machines.) A group of class III or higher is solved
+# slide and one to a cylinder. A dyad is solved in closed form, by the columns d of its velocities: two sides that meet
+# in a pin leave it a 2×2 system, the transpose of theirs, a slide between them one equation, and the determinants
+# vanish in the same dead positions. (Kinetostatics of Assur groups: I. I. Artobolevskii, Theory of Mechanisms and
+# Machines.) A group of class III or higher is solved
 # as one system, the transpose of its velocities' too, with moments about the links' reference points.
 #
 # The moment of a slide is about the reference point of its ``far`` link; a pin exerts its force at the pin and no
 # moment.
 
 
-JointWrenches = tuple[Wrench, Wrench, Wrench]
+JointWrenches = list[tuple[GroupJoint, Wrench]]
 
 
-def group_wrenches(balance: LinkBalance, group: AnyGroup) -> list[tuple[GroupJoint, Wrench]]:
+def group_wrenches(balance: LinkBalance, group: AnyGroup) -> JointWrenches:
     """The wrench of every joint of a group on its far body, once all later groups are entered."""
-    if isinstance(group, Dyad):
-        needs = balance.needs[group.first], balance.needs[group.second]
-        return list(zip(group.joints, _DYADS[group.kind](balance, group, *needs), strict=True))
+    if isinstance(group, Group):
+        return _wrenches_by_equilibrium(balance, group)
     if isinstance(group, DrivenLink):
-        return _driven_link(balance, group, balance.needs[group.first])
-    assert isinstance(group, Group)
-    return _wrenches_by_equilibrium(balance, group)
+        return _of_driven_link(balance, group)
+    assert isinstance(group, Dyad)
+    return _through_pin(balance, group) if isinstance(group.inner_joint, Revolute) else _through_slide(balance, group)
 
 
-def _rrr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
-    """By r × N = M₁ and −q × N = M₂ about the outer pins, r and q from them to the inner one, N is its force."""
-    r, q = _inner_arms(balance, dyad)
-    scale = 1.0 / cross(r, q)
-    n = ((first[2] * q[0] + two[2] * r[0]) * scale, (first[2] * q[1] + two[2] * r[1]) * scale)
-    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), (two[0] + n[0], two[1] + n[1], 0.0)
-
-
-def _rrp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
-    """By r × N = M₁ about the outer pin and −N·e = F₂·e along the slide the inner force is N = a e + b e⊥."""
-    (r, _), e = _inner_arms(balance, dyad), _slide_direction(balance, dyad.second_joint)
-    f = (two[0], two[1])
-    a = -dot(e, f)
-    b = (first[2] - a * cross(r, e)) / dot(r, e)
-    n = (a * e[0] - b * e[1], a * e[1] + b * e[0])
-    return (first[0] - n[0], first[1] - n[1], 0.0), (n[0], n[1], 0.0), _slide_wrench(e, cross(e, f) + b, two[2])
-
-
-def _rpr(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
-    """The moments about both outer pins, M₁ + M₂ = −n d·e with d from the second to the first, give n e⊥."""
-    e, d = _slide_direction(balance, dyad.inner_joint), balance.gap(dyad.second, dyad.first)
-    n = _slide_wrench(e, -(first[2] + two[2]) / dot(d, e), first[2])
-    return (first[0] - n[0], first[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
-
-
-def _rpp(balance: LinkBalance, dyad: Dyad, first: Wrench, two: Wrench) -> JointWrenches:
-    """F₂ = n e⊥ − k f⊥ across the outer and the inner slide; the moments are passed on."""
-    e, f = _slide_direction(balance, dyad.second_joint), _slide_direction(balance, dyad.inner_joint)
-    scale = 1.0 / cross(e, f)
-    force = (two[0], two[1])
-    inner = _slide_wrench(f, dot(force, e) * scale, first[2])
-    moment = two[2] + (first[2] + cross(balance.gap(dyad.second, dyad.first), (inner[0], inner[1])))
-    return (first[0] - inner[0], first[1] - inner[1], 0.0), inner, _slide_wrench(e, dot(force, f) * scale, moment)
-
-
-def _prp(balance: LinkBalance, dyad: Dyad, row: Wrench, two: Wrench) -> JointWrenches:
-    """N·e = F₁·e and −N·f = F₂·f along the slides give the inner force N = a e⊥ + b f⊥."""
-    e, f = _slide_direction(balance, dyad.first_joint), _slide_direction(balance, dyad.second_joint)
-    scale = 1.0 / cross(e, f)
-    first, second = (row[0], row[1]), (two[0], two[1])
-    a, b = -dot(second, f) * scale, -dot(first, e) * scale
-    both = dot(e, f)
-    n = (-a * e[1] - b * f[1], a * e[0] + b * f[0], 0.0)
-    return (
-        _slide_wrench(e, cross(e, first) - a - b * both, row[2]),
-        n,
-        _slide_wrench(f, cross(f, second) + a * both + b, two[2]),
-    )
-
-
-_DYADS: Mapping[str, Callable[[LinkBalance, Dyad, Wrench, Wrench], JointWrenches]] = {
-    "RRR": _rrr,
-    "RRP": _rrp,
-    "RPR": _rpr,
-    "RPP": _rpp,
-    "PRP": _prp,
-}
-
-
-def _driven_link(balance: LinkBalance, group: DrivenLink, need: Wrench) -> list[tuple[GroupJoint, Wrench]]:
-    """By (arm × u) p = M about the pin, or p u·e = F·e along the slide, the cylinder pushes with p along u."""
-    u, arm, force = balance.direction(group.cylinder), balance.arm(group.first, group.cylinder.far_local), need[:2]
-    turn = cross(arm, u)
-    if isinstance(group.outer, Revolute):
-        push = need[2] / turn
-        outer = (force[0] - push * u[0], force[1] - push * u[1], 0.0)
-    else:
-        e = _slide_direction(balance, group.outer)
-        push = dot(force, e) / dot(u, e)
-        outer = _slide_wrench(e, cross(e, force) - push * cross(e, u), need[2] - push * turn)
-    return [(group.outer, outer), (group.cylinder, (push * u[0], push * u[1], push * turn))]
-
-
-def _inner_arms(balance: LinkBalance, dyad: Dyad) -> tuple[Pair, Pair]:
-    """Vectors, m, from the reference points of both links to the inner pin."""
-    inner = dyad.inner_joint
+def _through_pin(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
+    """By d₁·N = m₁ and −d₂·N = m₂, for what the outer joints leave to it, N is the force of the inner pin."""
+    first, inner, second = dyad.joints
     assert isinstance(inner, Revolute)
-    return balance.arm(dyad.first, inner.far_local), balance.arm(dyad.second, inner.near_local)
+    d, m = _left_by(balance, first, inner.far_local)
+    e, other = _left_by(balance, second, inner.near_local)
+    scale = 1.0 / cross(d, e)
+    n = ((m * e[1] + other * d[1]) * scale, -(m * e[0] + other * d[0]) * scale)
+    outer = _outer_wrench(balance, first, (-n[0], -n[1])), _outer_wrench(balance, second, n)
+    return [(first, outer[0]), (inner, (*n, 0.0)), (second, outer[1])]
+
+
+def _through_slide(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
+    """The inner slide passes on the first link's moment about its pin; its force n f⊥ is what the second link lacks."""
+    first, inner, second = dyad.joints
+    f, gap, need = _slide_direction(balance, inner), balance.gap(dyad.second, dyad.first), balance.needs[dyad.second]
+    passed = balance.needs[dyad.first][2]
+    if isinstance(second, Revolute):
+        size = -(passed + need[2]) / dot(gap, f)
+    else:
+        e = _slide_direction(balance, second)
+        size = -dot(e, need[:2]) / cross(f, e)
+    x, y, _ = slide = _slide_wrench(f, size, passed)
+    outer = _outer_wrench(balance, second, (x, y), passed + cross(gap, (x, y)))
+    return [(first, _outer_wrench(balance, first, (-x, -y))), (inner, slide), (second, outer)]
+
+
+def _of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWrenches:
+    """By d·u p = m, for what the outer joint leaves to it, the cylinder pushes with p along u."""
+    u, at = balance.direction(group.cylinder), group.cylinder.far_local
+    d, m = _left_by(balance, group.outer, at)
+    push = m / dot(d, u)
+    moment = push * cross(balance.arm(group.first, at), u)
+    outer = _outer_wrench(balance, group.outer, (-push * u[0], -push * u[1]), -moment)
+    return [(group.outer, outer), (group.cylinder, (push * u[0], push * u[1], moment))]
+
+
+def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scalar]:
+    """The column d along which a point of a link moves on its outer joint, and the link's need against that motion."""
+    need = balance.needs[outer.far]
+    if isinstance(outer, Revolute):
+        return frames.across(balance.arm(outer.far, at)), need[2]
+    e = _slide_direction(balance, outer)
+    return e, dot(e, need[:2])
+
+
+def _outer_wrench(balance: LinkBalance, outer: Joint, more: Pair, moment: Scalar = 0.0) -> Wrench:
+    """The wrench of an outer joint: what its link needs and ``more``, a force and, of a slide, a moment."""
+    x, y, turn = balance.needs[outer.far]
+    force = (x + more[0], y + more[1])
+    if isinstance(outer, Revolute):
+        return (*force, 0.0)
+    e = _slide_direction(balance, outer)
+    return _slide_wrench(e, cross(e, force), turn + moment)
 
 
 def _slide_direction(balance: LinkBalance, slide: Joint) -> Pair:
