@@ -21,7 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import GROUND, Guide, Vector
 from analytic.dynamics import joint_forces
-from analytic.dynamics.joint_forces import TINY, Load, Reactions
+from analytic.dynamics.joint_forces import Reactions
+from analytic.dynamics.loads import TINY, Load
 from analytic.errors import LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Scalar
@@ -43,6 +44,10 @@ class Contact(NamedTuple):
     size: Scalar
     rate: Scalar
     loads: tuple[Load, Load]
+
+    def against(self, direction: Array) -> list[Load]:
+        """A unit of friction against the motion in a direction of the drive."""
+        return [load.times(np.sign(self.rate) * direction) for load in self.loads]
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
@@ -94,7 +99,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         return plain
     direction = np.where(np.signbit(speed), -1.0, 1.0)
     rubbing = list(contacts(sweep))
-    units = [joint_forces.reactions_to(sweep, _scaled(contact, direction)) for contact in rubbing]
+    units = [joint_forces.reactions_to(sweep, contact.against(direction)) for contact in rubbing]
     names = [contact.joint for contact in rubbing]
     count, shape = len(names), sweep.angle.shape
     sizes = np.array([np.broadcast_to(contact.size, shape) for contact in rubbing]).reshape(count, -1)
@@ -107,20 +112,6 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
               for name, force in plain.forces.items()}  # fmt: skip
     share = np.sum([x * unit.torque for x, unit in zip(frictions, units, strict=True)], axis=0)
     return Reactions(forces, plain.torque + share, share)
-
-
-def _scaled(contact: Contact, direction: Array) -> list[Load]:
-    """A unit of friction against the motion in a direction of the drive."""
-    sign = np.sign(contact.rate) * direction
-    return [
-        Load(
-            load.body,
-            load.at,
-            None if load.force is None else (sign * load.force[0], sign * load.force[1]),
-            None if load.torque is None else sign * load.torque,
-        )
-        for load in contact.loads
-    ]
 
 
 def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -18,12 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import GROUND, Link, LinkTorque, PointForce, RotaryDamper, Spring, Vector
+from analytic.description.linkage import GROUND, Vector
+from analytic.dynamics.loads import Load, all_loads, external_loads
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar, cross, dot
 from analytic.kinematics.structure import (
@@ -39,148 +39,6 @@ from analytic.kinematics.structure import (
     Structure,
 )
 from analytic.kinematics.sweep import Sweep
-
-# Loads on the links besides joint forces: weights, inertia forces, applied forces and torques, springs, dampers.
-#
-# By d'Alembert's principle a link's inertia force −m S̈ at its mass centre and inertia torque −J θ̈ are loads like any
-# other: with them, all forces and moments on a link balance.
-
-
-TINY: Final = float(np.finfo(float).tiny)
-
-
-@dataclass(frozen=True)
-class Load:
-    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None stands for zero.
-
-    The ``body`` may be the ground.
-    """
-
-    body: str
-    at: Vector
-    force: Pair | None = None
-    torque: Scalar | None = None
-
-
-class LoadedSweep:
-    """The loads on the links of a sweep while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²).
-
-    Both are signed, of the sweep's shape or scalar. No second derivative is computed for a crank at rest without
-    acceleration.
-    """
-
-    def __init__(self, sweep: Sweep, speed: Scalar, acceleration: Scalar) -> None:
-        self.sweep = sweep
-        self.linkage = sweep.linkage
-        self.speed, self.acceleration, self.square = speed, acceleration, speed * speed
-        self.turns = bool(np.any(self.speed))
-        self.is_static = not (self.turns or np.any(self.acceleration))
-
-    def external_loads(self) -> Iterator[Load]:
-        """Weights, inertia forces, forces at points and torques on links: loads without a reaction on the linkage."""
-        yield from (self._mass_load(link) for link in self.linkage.links.values())
-        for load in self.linkage.applied:
-            if load.reaction is None:
-                yield from applied_loads(self.sweep, load, self.speed)
-
-    def internal_loads(self) -> Iterator[Load]:
-        """Springs, dashpots, dampers and other loads between two bodies, a link and the ground: two loads each."""
-        for load in self.linkage.applied:
-            if load.reaction is not None:
-                yield from applied_loads(self.sweep, load, self.speed)
-        for spring in self.linkage.springs:
-            yield from self._spring_loads(spring)
-        if self.turns:
-            for damper in self.linkage.dampers:
-                yield from self._damper_loads(damper)
-        for coil in self.linkage.torsion_springs:
-            torque = coil.stiffness * self.sweep.turned_from(coil.links, coil.angle)
-            yield from _opposite_torques(coil.links, torque)
-
-    def _mass_load(self, link: Link) -> Load:
-        """Weight and inertia: m (g − S̈) at the mass centre and −J θ̈."""
-        x, y = self.linkage.gravity
-        if self.is_static:
-            return Load(link.name, link.centre, (link.mass * x, link.mass * y))
-        first, second = (self.sweep.centre(link.name, order) for order in (1, 2))
-        moves = [self.square * two + self.acceleration * squared for squared, two in zip(first, second, strict=True)]
-        force = (link.mass * (x - moves[0]), link.mass * (y - moves[1]))
-        if link.inertia is None:
-            return Load(link.name, link.centre, force)
-        turn = self.square * self.sweep.accelerations(link.name)[2]
-        turn = turn + self.acceleration * self.sweep.rates(link.name)[2]
-        return Load(link.name, link.centre, force, -link.inertia * turn)
-
-    def _spring_loads(self, spring: Spring) -> tuple[Load, Load]:
-        """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
-        (first, two), (near_end, far_end) = spring.links, self._spring_ends(spring)
-        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((first, near_end), (two, far_end))))
-        over_length = _inverse_length(span)
-        per_length = spring.stiffness * (1.0 - spring.length * over_length)
-        if self.turns and not frames.is_zero(spring.damping):
-            rate = frames.minus(
-                *(self.sweep.local_point(body, at, 1) for body, at in ((first, near_end), (two, far_end)))
-            )
-            per_length = per_length + spring.damping * self.speed * frames.dot(span, rate) * over_length * over_length
-        force = (per_length * span[0], per_length * span[1])
-        return Load(first, near_end, (-force[0], -force[1])), Load(two, far_end, force)
-
-    def _spring_ends(self, spring: Spring) -> tuple[Vector, Vector]:
-        near_end, far_end = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
-        return near_end, far_end
-
-    def _damper_loads(self, damper: RotaryDamper) -> tuple[Load, Load]:
-        first, second = (self.sweep.rates(name)[2] for name in damper.links)
-        torque = damper.coefficient * self.speed * (first - second)
-        return _opposite_torques(damper.links, torque)
-
-
-def _opposite_torques(links: tuple[str, str], torque: Scalar) -> tuple[Load, Load]:
-    """A torque, N m, against the turning of the first body, and its reaction on the second."""
-    return Load(links[0], (0.0, 0.0), None, -torque), Load(links[1], (0.0, 0.0), None, torque)
-
-
-def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) -> Iterator[Load]:
-    """A force or a torque on its link, and its reverse on the body that takes the reaction, at the same place.
-
-    ``speed`` is that of the driver: a load of one direction acts by its sign, at rest as if φ grew.
-    """
-    linkage = sweep.linkage
-    if isinstance(load, LinkTorque):
-        torque = sweep.load(load.torque, speed)[0]
-        yield Load(load.link, linkage.links[load.link].centre, None, torque)
-        if load.reaction is not None:
-            yield Load(load.reaction, (0.0, 0.0), None, -torque)
-        return
-    x, y = sweep.load(load.force, speed)
-    if load.frame != GROUND:
-        x, y = frames.arm(sweep.poses(load.frame), (x, y))
-    local = linkage.local(load.point, load.link)
-    yield Load(load.link, local, (x, y))
-    if load.reaction is not None:
-        arm = frames.minus(sweep.local_point(load.link, local), sweep.local_point(load.reaction, (0.0, 0.0)))
-        yield Load(load.reaction, (0.0, 0.0), (-x, -y), -frames.cross(arm, (x, y)))
-
-
-def _inverse_length(span: Pair) -> Scalar:
-    """Reciprocal of the length of a vector, 1/m; zero for a length of zero."""
-    square = frames.dot(span, span)
-    return (square > 0.0) / np.sqrt(np.maximum(square, TINY))
-
-
-def resultant(sweep: Sweep, loads: Iterable[Load], about: Vector) -> tuple[Scalar, Scalar, Scalar]:
-    """Sum of loads on any bodies: force, N, and moment about a point of the ground, N m."""
-    x: Scalar = 0.0
-    y: Scalar = 0.0
-    moment: Scalar = 0.0
-    for load in loads:
-        if load.torque is not None:
-            moment = moment + load.torque
-        if load.force is not None:
-            arm = frames.minus(sweep.local_point(load.body, load.at), about)
-            x, y, moment = x + load.force[0], y + load.force[1], moment + frames.cross(arm, load.force)
-    return x, y, moment
-
 
 # Balance of a force analysis: the wrench that every link still needs from its joints, and the joints' wrenches.
 #
@@ -460,8 +318,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 
     Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises as ``reactions_to`` does.
     """
-    loaded = LoadedSweep(sweep, speed, acceleration)
-    return reactions_to(sweep, (*loaded.external_loads(), *loaded.internal_loads()))
+    return reactions_to(sweep, all_loads(sweep, speed, acceleration))
 
 
 def reactions_to(sweep: Sweep, loads: Iterable[Load]) -> Reactions:
@@ -518,7 +375,16 @@ def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vect
     fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
     torques on links come from outside; their reactions do not act on this frame.
     """
-    return _filled(sweep, *resultant(sweep, LoadedSweep(sweep, speed, acceleration).external_loads(), about))
+    x: Scalar = 0.0
+    y: Scalar = 0.0
+    moment: Scalar = 0.0
+    for load in external_loads(sweep, speed, acceleration):
+        if load.torque is not None:
+            moment = moment + load.torque
+        if load.force is not None:
+            arm = frames.minus(sweep.local_point(load.body, load.at), about)
+            x, y, moment = x + load.force[0], y + load.force[1], moment + frames.cross(arm, load.force)
+    return _filled(sweep, x, y, moment)
 
 
 def _filled(sweep: Sweep, *parts: Scalar) -> Array:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Final, NamedTuple, TypedDict
+from typing import Any, Final, NamedTuple, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +21,7 @@ from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.linkage import Link, LinkTorque, PointForce, Spring, TorsionSpring
 from analytic.dynamics.friction import contacts
-from analytic.dynamics.joint_forces import TINY, Load, applied_loads
+from analytic.dynamics.loads import Load, applied_loads, drags, elastic_loads, stored_energy
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.dead_centres import dead_centres, top_of_turn
@@ -114,67 +114,35 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
     return y * vector[1] if is_zero(x) else x * vector[0] + y * vector[1]
 
 
-def load_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
-    """Generalised force of the forces at points, torques on links and springs, N m."""
-    total = np.zeros(sweep.angle.shape)
+def load_forces(
+    sweep: Sweep, speed: ArrayLike = 0.0
+) -> Iterator[tuple[PointForce | LinkTorque | Spring | TorsionSpring, Array]]:
+    """Each force, torque and spring with its generalised force, N m."""
+    for load in sweep.linkage.applied:
+        yield load, power(sweep, applied_loads(sweep, load, speed))
+    for spring, both in elastic_loads(sweep):
+        yield spring, power(sweep, both)
+
+
+def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain or traced
+    """The power of loads at unit speed of the driver, N m."""
+    first, *rest = (load.power(sweep) for load in loads)
+    return sum(rest, first)
+
+
+def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
+    """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
+    total = gravity_force(sweep)
     for _, part in load_forces(sweep, speed):
         total += part
     return total
 
 
-def load_forces(
-    sweep: Sweep, speed: ArrayLike = 0.0
-) -> Iterator[tuple[PointForce | LinkTorque | Spring | TorsionSpring, Array]]:
-    """Each force, torque and spring with its generalised force, N m."""
-    linkage = sweep.linkage
-    for load in linkage.applied:
-        first, *rest = (_virtual_power(sweep, part) for part in applied_loads(sweep, load, speed))
-        yield load, sum(rest, first)
-    for number, spring in enumerate(linkage.springs):
-        length, rate = spring_length(sweep, number)
-        yield spring, -(spring.stiffness * (length - spring.length) * rate)
-    for coil in linkage.torsion_springs:
-        first, second = (sweep.rates(name)[2] for name in coil.links)
-        yield coil, -(coil.stiffness * sweep.turned_from(coil.links, coil.angle) * (first - second))
-
-
-def _virtual_power(sweep: Sweep, load: Load) -> Scalar:
-    """The power of a load at unit speed of the driver, N m."""
-    turned = None if load.torque is None else load.torque * sweep.rates(load.body)[2]
-    if load.force is None:
-        return turned
-    moved = frames.dot(load.force, sweep.local_point(load.body, load.at, 1))
-    return moved if turned is None else moved + turned
-
-
-def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
-    """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
-    linkage = sweep.linkage
-    loaded = linkage.forces or linkage.torques or linkage.springs or linkage.torsion_springs
-    return gravity_force(sweep) + load_force(sweep, speed) if loaded else gravity_force(sweep)
-
-
-def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
-    """Length of a spring, m, and its derivative over φ; the derivative is zero where its ends meet."""
-    spring = sweep.linkage.springs[number]
-    ends = [(body, sweep.linkage.local(point, body)) for point, body in zip(spring.points, spring.links, strict=True)]
-    (b1, p1), (b2, p2) = ends
-    span = frames.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
-    rate = frames.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
-    length = np.sqrt(frames.dot(span, span))
-    return length, frames.dot(span, rate) * frames.inverse(np.maximum(length, TINY))
-
-
 def damping_coefficient(sweep: Sweep) -> Array:
     """Damping b reduced to the crank, N m s: the drag torque is b φ̇; constant if the only damper sits on the crank."""
-    linkage = sweep.linkage
     total = np.zeros(sweep.angle.shape)
-    for damper in linkage.dampers:
-        first, second = (sweep.rates(name)[2] for name in damper.links)
-        total += damper.coefficient * (first - second) ** 2
-    for number, spring in enumerate(linkage.springs):
-        if not is_zero(spring.damping):
-            total += spring.damping * spring_length(sweep, number)[1] ** 2
+    for both in drags(sweep):
+        total -= power(sweep, both)
     return total
 
 
@@ -191,11 +159,7 @@ def potential_energy(sweep: Sweep) -> Array:
         for name, body in linkage.links.items():
             if body.mass:
                 total -= body.mass * _product_with_constant(linkage.gravity, sweep.centre(name))
-    for number, spring in enumerate(linkage.springs):
-        total += 0.5 * spring.stiffness * (spring_length(sweep, number)[0] - spring.length) ** 2
-    for coil in linkage.torsion_springs:
-        total += 0.5 * coil.stiffness * sweep.turned_from(coil.links, coil.angle) ** 2
-    return total
+    return total + stored_energy(sweep)
 
 
 def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
@@ -215,9 +179,8 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
     if turns:
         torque += half_inertia_derivative(sweep) * (speed * speed)
     torque -= generalised_force(sweep, speed)
-    linkage = sweep.linkage
-    if turns and (linkage.dampers or not all(is_zero(spring.damping) for spring in linkage.springs)):
-        torque += damping_coefficient(sweep) * speed
+    for both in drags(sweep) if turns else ():
+        torque -= power(sweep, both) * speed
     return torque
 
 

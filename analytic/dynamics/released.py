@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.dynamics import reduced
+from analytic.dynamics.loads import applied_loads
 from analytic.dynamics.reduced import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
@@ -214,11 +215,13 @@ def energy_imbalance(motion: FreeMotion) -> float:
 def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
     """Power of the torque, the forces and the damping, which the potential energy does not include, W."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
-    linkage = replace(mechanism.linkage, springs=(), dampers=(), torsion_springs=())
-    force = reduced.load_force(mechanism.with_loads_of(linkage).sweep(angle)) + motion.equation.torque(angle)[0]
+    sweep = mechanism.sweep(angle)
+    force = motion.equation.torque(angle)[0]
+    for load in mechanism.linkage.applied:
+        force = force + reduced.power(sweep, applied_loads(sweep, load, speed))
     if motion.equation.over_time is not None:
         force = force + motion.equation.over_time(time)
-    return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)
+    return np.asarray((force - reduced.damping_coefficient(sweep) * speed) * speed)
 
 
 # Steady rotation under a crank torque: mean speed and coefficient of fluctuation.
