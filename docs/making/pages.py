@@ -22,7 +22,7 @@ SHOWN = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGEL
          "reports/RESULTS.md": "results.md"}  # fmt: skip
 NAMED_BLOCK = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
 FILE_NAME = re.compile(r"\[(?:docs/)?([\w-]+)\.md\](?=\()")
-LINK = re.compile(r"\]\((?:\.\./)?(?:docs/)?([^)#:]+)")
+LINK = re.compile(r"(\]\(|src=\")(?:\.\./)?(?:docs/)?([^)#:\"]+)")
 
 
 def on_config(config: Any) -> Any:  # noqa: ANN401 - MkDocs need not be installed
@@ -51,7 +51,7 @@ def on_files(files: Any, config: Any) -> Any:  # noqa: ANN401
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:  # noqa: ANN401
     """A page's text with its links, the names of its files and what is made from data."""
     markdown = FILE_NAME.sub(lambda name: f"[{name[1].replace('-', ' ')}]", markdown)
-    text = NAMED_BLOCK.sub(r'```\1 title="\2"', LINK.sub(lambda link: f"]({SHOWN.get(link[1], link[1])}", markdown))
+    text = NAMED_BLOCK.sub(r'```\1 title="\2"', LINK.sub(lambda link: link[1] + SHOWN.get(link[2], link[2]), markdown))
     made = MADE.get(page.file.src_uri)
     return f"{text}\n\n{made()}\n" if made else text
 

@@ -27,7 +27,7 @@ ASSETS, REPORT = ROOT / "docs" / "assets", ROOT / "build" / "report"
 FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MAP = "sweep rimoldi-164 --vary rod.B.x=165:185:81 --vary rocker.B.x=19:24:81 --quantity Mkr.peak --quantity stroke"
 COMMANDS = {  # by picture: the page that shows the command's files, and the command
-    "results.svg": ("README.md", "results mine.toml"),
+    "results.svg": ("docs/designs.md", "results coupler-curve"),
     "pump.svg": ("docs/linkage-files.md", "check pump.toml"),
     "sweep.svg": ("docs/designs.md", MAP),
 }
@@ -47,12 +47,8 @@ def draw(picture: str, page: str, command: str) -> None:
 
 
 def animate() -> None:
-    """Put README's linkage in motion over its torque; a dot on the curve and the crank are at one angle."""
-    text = next(text for name, text in FILE.findall((ROOT / "README.md").read_text(encoding="utf-8")) if name)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mine.toml"
-        path.write_text(text, encoding="utf-8")
-        sheet = page_sheet(linkproof.results(path).case)
+    """Put the linkage of README's first command in motion over its torque; a dot and the crank are at one angle."""
+    sheet = page_sheet(linkproof.results("coupler-curve").case)
     assert sheet.positions is not None
     drawing = str(moving_scheme(sheet.linkage, sheet.positions, "moving"))
     width, height = map(float, re.findall(r'viewBox="0 0 (\S+) (\S+)"', drawing)[0])
