@@ -83,11 +83,11 @@ def _title(name: str) -> str:
 def _keys(part: Mapping[str, Any]) -> str:
     needed = part.get("required", ())
     rows = tuple(
-        (Mono(key), "needed" if key in needed else _default(value), _words(value.get("description", "")))
+        (Mono(key), "needed" if key in needed else _default(value), words(value.get("description", "")))
         for key, value in part["properties"].items()
     )
     about = part.get("description", "").partition("\n\n")[0]
-    return table(Table(_words(about), ("key", "default", "what is expected"), rows, align="l"))
+    return table(Table(words(about), ("key", "default", "what is expected"), rows, align="l"))
 
 
 def _default(value: Mapping[str, Any]) -> Words:
@@ -95,7 +95,7 @@ def _default(value: Mapping[str, Any]) -> Words:
     return "" if default in (None, "", [], {}) or isinstance(default, dict) else Mono(str(default))
 
 
-def _words(text: str) -> Words:
+def words(text: str) -> Words:
     """A text whose parts between double backticks are code."""
     return tuple(Mono(part) if number % 2 else part for number, part in enumerate(text.split("``")))
 

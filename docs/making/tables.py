@@ -7,6 +7,7 @@ from pathlib import Path
 
 from analytic.description.loading import catalogue, literature, load
 from comparisons.designer.figures import compare_published
+from docs.making.rooms import rooms
 from engines.registry import engine, own_names
 from reports.document.markdown import table, written
 from reports.document.parts import Bullets, Section
@@ -39,7 +40,7 @@ def figures_of(name: str) -> str:
     return written((Section("", name, parts),), level=3) if rows else ""
 
 
-MADE = {"engines.md": readouts, "sources.md": printed_figures}
+MADE = {"engines.md": readouts, "rooms.md": rooms, "sources.md": printed_figures}
 
 
 def renewed(path: Path) -> str:

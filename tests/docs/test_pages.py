@@ -13,9 +13,11 @@ from comparisons.trials.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
 from docs.making.tables import renewed
 from tests.pages.browser import PATIENCE, started
+from tests.sources import PACKAGES
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
+COUNT = re.compile(r"(?<=\| )[\d,]+(?= \| (?:nothing|layers? 1) )")
 FONTS = re.compile(r"url\((https?:[^)]+)\)|@import")
 
 
@@ -65,6 +67,17 @@ def test_the_tables_have_every_limit_every_key_and_every_read_out():
     assert not {name for name in names if f"| `{name}` |" not in keys()}
     page = ROOT / "docs" / "engines.md"
     assert page.read_text(encoding="utf-8") == renewed(page), f"write it anew: python -m docs.making.tables {page}"
+
+
+def test_the_page_of_the_rooms_has_every_room_and_is_as_the_contracts_are():
+    page = ROOT / "docs" / "rooms.md"
+    shown, made = page.read_text(encoding="utf-8"), renewed(page)
+    again = f"write it anew: python -m docs.making.tables {page}"
+    assert COUNT.sub("", shown) == COUNT.sub("", made), again
+    counts = [[int(count.replace(",", "")) for count in COUNT.findall(text)] for text in (shown, made)]
+    assert [pair for pair in zip(*counts, strict=True) if abs(pair[0] - pair[1]) > 0.2 * pair[1]] == [], again
+    folders = [path.parent.relative_to(ROOT) for name in PACKAGES for path in (ROOT / name).glob("*/__init__.py")]
+    assert [str(folder) for folder in folders if f"`{folder.as_posix()}`" not in shown] == []
 
 
 def test_the_page_about_python_has_every_public_name_and_every_variable_of_results():
