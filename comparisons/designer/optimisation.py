@@ -11,18 +11,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import SPEED, with_numbers
-from analytic.designs.derivatives import signal_gradients
+from analytic.designs.derivatives import signal_values
 from analytic.designs.figures import Reduction
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.parameters import (
     NamedFigure,
     OpenEndFigures,
-    SteadyMotion,
-    loads_that_stay,
+    SteadyCase,
     named_figures,
-    open_end_figures,
 )
 from comparisons.designer.problem import (
     ALLOWED_EXCESS,
@@ -89,8 +86,7 @@ def _search_others(
         name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
     }
     if left:
-        mechanism = problem.mechanism.redesigned(with_numbers(problem.mechanism.linkage, fixed))
-        rest = replace(problem, mechanism=mechanism, variables=tuple(left))
+        rest = replace(problem, case=problem.case.redesigned(fixed), variables=tuple(left))
         start = np.array([numbers[variable.parameter.name] for variable in left])
         end = Descent(rest).run(np.clip((start - rest.low) / rest.width, 0.0, 1.0))
         numbers = numbers if end is None else {**fixed, **rest.numbers(end.place)}
@@ -151,7 +147,7 @@ class Optimum:
     @cached_property
     def warnings(self) -> list[str]:
         """What a reader of the best design has to know."""
-        loads = loads_that_stay(self.problem.mechanism, [self.after])
+        loads = self.problem.case.loads_that_stay([self.after])
         return [*filter(None, (self.at_open_end.sentence, loads))]
 
     @cached_property
@@ -175,7 +171,7 @@ class Optimum:
     def _serves(self, numbers: Mapping[str, float]) -> bool:
         """Whether a design is as good as the best one, and holds what that one holds."""
         problem, count = self.problem, len(self.problem.aims)
-        values = _design_figures(problem.mechanism, problem.motion, problem.figures, numbers)
+        values = problem.case.figures_of(numbers, problem.figures)
         aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
         held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
         is_held = all(
@@ -186,11 +182,11 @@ class Optimum:
 
     def curves(self) -> dict[str, Array]:
         """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
-        known = self.problem.mechanism
-        names = [figure.figure.signal for figure in (*self.problem.figures, *_known_figures(known, ["Mkr.peak"]))]
-        signals, maxima = tuple(dict.fromkeys(names)), self.problem.maxima
+        case, grid = self.problem.case, self.problem.maxima.grid
+        figures = (*self.problem.figures, *_known_figures(case.mechanism, ["Mkr.peak"]))
+        signals = tuple(dict.fromkeys(figure.figure.signal for figure in figures))
         rows = [
-            signal_gradients(known, numbers, signals, maxima.grid, speed=maxima.motion.speed)[0]
+            signal_values(case.mechanism, numbers, signals, grid, speed=case.speed)
             for numbers in (self.before, self.after)
         ]
         return dict(zip(signals, np.stack(rows, axis=1), strict=True))
@@ -198,10 +194,8 @@ class Optimum:
     @cached_property
     def at_open_end(self) -> OpenEndFigures:
         """The figures whose extremes lie at an open end of the motion: of the best design, else of the file's."""
-        known, motion = self.problem.mechanism, self.problem.motion
-        best = known.redesigned(with_numbers(known.linkage, {n: v for n, v in self.after.items() if n != SPEED}))
-        of_best = open_end_figures(best, motion, self.figures)
-        return of_best if of_best.names else open_end_figures(known, motion, self.figures)
+        of_best = self.problem.case.redesigned(self.after).open_ends(self.figures)
+        return of_best if of_best.names else self.problem.case.open_ends(self.figures)
 
     @property
     def is_fixed(self) -> bool:
@@ -216,9 +210,10 @@ class Optimum:
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
 
-def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRequest, announce: Announce) -> Optimum:
+def optimise(case: SteadyCase, request: OptimisationRequest, announce: Announce) -> Optimum:
     """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
-    varied = variables(mechanism.linkage, request.over, motion.speed)
+    mechanism = case.mechanism
+    varied = variables(mechanism.linkage, request.over, case.speed)
     step = step_size(varied, request.step) if request.step else None
     aims = named_figures(mechanism, [request.figure])
     sign = 1.0 if request.is_least else -1.0
@@ -232,11 +227,11 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRe
     ]
     figures = (*requested, *others)
     before = {variable.parameter.name: variable.parameter.value for variable in varied}
-    own = _design_figures(mechanism, motion, figures, before)
+    own = case.figures_of(before, figures)
     sizes = dict(zip((figure.name for figure in figures), own, strict=True))
     constraints = tuple(constraint(figure, text, float(sizes[figure.name])) for figure, text in texts.items())
     problem = DesignProblem(
-        mechanism, motion, aims, sign, varied, constraints,
+        case, aims, sign, varied, constraints,
         max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _zero_size(aims[0])),
         tuple(max(_constraint_size(part), abs(float(sizes[part.figure.name])), _zero_size(part.figure))
               for part in constraints),
@@ -244,10 +239,10 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, request: OptimisationRe
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
     _check_depends(problem, start)
     result = search(problem, start, announce, everywhere=request.everywhere)
-    end = _feasible_end(problem, result, motion)
+    end = _feasible_end(problem, result)
     exact = problem.numbers(end.place)
     after = exact if step is None else round_lengths(problem, exact, step)
-    values = np.array([own, *(_design_figures(mechanism, motion, figures, numbers) for numbers in (after, exact))])
+    values = np.array([own, *(case.figures_of(numbers, figures) for numbers in (after, exact))])
     return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
 
 
@@ -271,14 +266,6 @@ def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigu
         except LinkproofError:
             continue
     return figures
-
-
-def _design_figures(
-    mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], design: Mapping[str, float]
-) -> Array:
-    """Figures (figures,) of a design, refined, SI."""
-    numbers = {name: np.array([value]) for name, value in design.items()}
-    return motion.figures(mechanism, numbers, [figure.figure for figure in figures])[:, 0]
 
 
 def _constraint_size(figure: Constraint) -> float:
@@ -311,7 +298,7 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
     raise LinkproofError(f"expected a figure that depends on {names}, got {aim}, which does not; choose others")
 
 
-def _feasible_end(problem: DesignProblem, result: Search, motion: SteadyMotion) -> End:
+def _feasible_end(problem: DesignProblem, result: Search) -> End:
     """The best end of a search; raises LinkproofError where no design assembles or the constraints are out of reach."""
     best = result.best
     if best is None:
@@ -321,9 +308,7 @@ def _feasible_end(problem: DesignProblem, result: Search, motion: SteadyMotion) 
         )
     if best.is_feasible:
         return best
-    values = _design_figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[
-        len(problem.aims) :
-    ]
+    values = problem.case.figures_of(problem.numbers(best.place), problem.figures)[len(problem.aims) :]
     worst = max(
         zip(problem.constraints, values, problem.constraint_sizes, strict=True),
         key=lambda row: float(row[0].violation(row[1])) / row[2],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -178,67 +178,11 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
     )
 
 
-# The motion under which designs are compared: the driver at constant speed over a turn, or over a range.
+# The case in which designs are compared: a linkage whose driver moves at constant speed over a turn, or over a range.
 
 
 SAMPLES: Final = 180  # crank angles of a turn, or places of a range
-
-
-@dataclass(frozen=True)
-class SteadyMotion:
-    """Sampled places of the driver, rad or m, ascending, and its constant speed, rad/s or m/s, signed.
-
-    The end of a full turn is not sampled twice.
-    """
-
-    places: Array
-    speed: float
-    is_full_turn: bool
-
-    def figures(
-        self,
-        mechanism: Mechanism,
-        numbers: Mapping[str, Array],
-        figures: Sequence[Figure],
-        *,
-        refine: bool = True,
-        path: str = "auto",
-    ) -> Array:
-        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``.
-
-        One of the numbers may be the ``speed``, turned as this motion's.
-        """
-        return design_figures(
-            mechanism, numbers, figures, self.places, speed=self.speed, refine=refine,
-            period=mechanism.linkage.load_period if self.is_full_turn else None, path=path,
-        )  # fmt: skip
-
-    def gradients(
-        self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]
-    ) -> tuple[Array, Array]:
-        """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
-        return figure_gradients(mechanism, numbers, figures, self.places, speed=self.speed)
-
-
-def steady_motion(
-    mechanism: Mechanism, speed: float, *, samples: int = SAMPLES, start: float | None = None, end: float | None = None
-) -> SteadyMotion:
-    """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
-
-    The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
-    zero or not finite.
-    """
-    if not math.isfinite(speed) or speed == 0.0:
-        raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")
-    if start is not None and end is not None:
-        return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
-    reach = mechanism.crank_range()
-    if reach.is_full_turn:
-        way = mechanism.linkage.load_period
-        samples *= round(way / FULL_TURN)
-        return SteadyMotion(np.linspace(0.0, way, samples, endpoint=False), speed, is_full_turn=True)
-    low, high = inset_ends(reach)
-    return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)
+DEAD_CENTRE_MOVES: Final = math.radians(0.5)  # by less, a load over the crank angle is where it was
 
 
 class OpenEndFigures(NamedTuple):
@@ -248,46 +192,109 @@ class OpenEndFigures(NamedTuple):
     sentence: str
 
 
-def open_end_figures(mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure]) -> OpenEndFigures:
-    """The figures of a linkage whose extremes say no more than where the motion is cut off beside a dead position."""
-    if motion.is_full_turn:
-        return OpenEndFigures((), "")
-    marks, ends = figures_at_open_ends(mechanism, [entry.figure for entry in figures], motion.places, motion.speed)
-    names = tuple(entry.name for entry, is_open in zip(figures, marks, strict=True) if is_open)
-    if not names:
-        return OpenEndFigures((), "")
-    verb = "has its extreme" if len(names) == 1 else "have their extremes"
-    words = open_end_warning(mechanism, ends)
-    return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
+@dataclass(frozen=True)
+class SteadyCase:
+    """A linkage whose driver moves at a constant speed, rad/s or m/s, signed, through ``places``, rad or m, ascending.
 
-
-DEAD_CENTRE_MOVES: Final = math.radians(0.5)  # by less, a load over the crank angle is where it was
-
-
-def loads_that_stay(mechanism: Mechanism, designs: Iterable[Mapping[str, float]]) -> str:
-    """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
-
-    ``designs`` are numbers, SI, by name; those without dead centres are left out.
+    The end of a full turn is not sampled twice. ``conditions`` has linkage and motion in words. Of the numbers of a
+    design one may be the ``speed``, turned as this one.
     """
-    linkage = mechanism.linkage
-    tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]
-    loads = [load_name(load) for load, is_over_angle in zip(linkage.applied, tables, strict=True) if is_over_angle]
-    if not loads or linkage.is_linear or linkage.output is None:
-        return ""
-    try:
-        own = top_dead_centre(mechanism).angle
-    except LinkproofError:
-        return ""
-    for design in designs:
+
+    mechanism: Mechanism
+    places: Array
+    speed: float
+    is_full_turn: bool
+    conditions: str = ""
+
+    @property
+    def linkage(self) -> Linkage:
+        """The linkage of the file."""
+        return self.mechanism.linkage
+
+    def figures(
+        self,
+        numbers: Mapping[str, Array],
+        figures: Sequence[NamedFigure],
+        *,
+        refine: bool = True,
+        path: str = "auto",
+    ) -> Array:
+        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``."""
+        return design_figures(
+            self.mechanism, numbers, [each.figure for each in figures], self.places, speed=self.speed, refine=refine,
+            period=self.linkage.load_period if self.is_full_turn else None, path=path,
+        )  # fmt: skip
+
+    def figures_of(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> Array:
+        """Figures (figures,) of one design, refined, SI."""
+        return self.figures({name: np.array([value]) for name, value in design.items()}, figures)[:, 0]
+
+    def gradients(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> tuple[Array, Array]:
+        """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
+        every = [each.figure for each in figures]
+        return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed)
+
+    def redesigned(self, design: Mapping[str, float]) -> SteadyCase:
+        """The same with other numbers, SI, by name; a speed among them is left out."""
         numbers = {name: value for name, value in design.items() if name != SPEED}
+        return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))
+
+    def open_ends(self, figures: Sequence[NamedFigure]) -> OpenEndFigures:
+        """The figures whose extremes say no more than where the motion is cut off beside a dead position."""
+        if self.is_full_turn:
+            return OpenEndFigures((), "")
+        every = [each.figure for each in figures]
+        marks, ends = figures_at_open_ends(self.mechanism, every, self.places, self.speed)
+        names = tuple(each.name for each, is_open in zip(figures, marks, strict=True) if is_open)
+        if not names:
+            return OpenEndFigures((), "")
+        verb = "has its extreme" if len(names) == 1 else "have their extremes"
+        words = open_end_warning(self.mechanism, ends)
+        return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
+
+    def loads_that_stay(self, designs: Iterable[Mapping[str, float]]) -> str:
+        """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
+
+        ``designs`` are numbers, SI, by name; those without dead centres are left out.
+        """
+        linkage = self.linkage
+        tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]
+        loads = [load_name(load) for load, is_over_angle in zip(linkage.applied, tables, strict=True) if is_over_angle]
+        if not loads or linkage.is_linear or linkage.output is None:
+            return ""
         try:
-            moved = top_dead_centre(mechanism.redesigned(with_numbers(linkage, numbers))).angle
+            own = top_dead_centre(self.mechanism).angle
         except LinkproofError:
-            continue
-        if abs((moved - own + math.pi) % FULL_TURN - math.pi) > DEAD_CENTRE_MOVES:
-            stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
-            return (
-                f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} to "
-                f"{linkage.place(moved)}: where the load belongs to the stroke, give it over = 'S' in the file"
-            )
-    return ""
+            return ""
+        for design in designs:
+            try:
+                moved = top_dead_centre(self.redesigned(design).mechanism).angle
+            except LinkproofError:
+                continue
+            if abs((moved - own + math.pi) % FULL_TURN - math.pi) > DEAD_CENTRE_MOVES:
+                stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
+                return (
+                    f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} "
+                    f"to {linkage.place(moved)}: where the load belongs to the stroke, give it over = 'S' in the file"
+                )
+        return ""
+
+
+def case_at_speed(
+    mechanism: Mechanism, speed: float, *, samples: int = SAMPLES, start: float | None = None, end: float | None = None
+) -> SteadyCase:
+    """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
+
+    The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
+    zero or not finite.
+    """
+    if not math.isfinite(speed) or speed == 0.0:
+        raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")
+    if start is None or end is None:
+        reach = mechanism.crank_range()
+        if reach.is_full_turn:
+            way = mechanism.linkage.load_period
+            places = np.linspace(0.0, way, samples * round(way / FULL_TURN), endpoint=False)
+            return SteadyCase(mechanism, places, speed, is_full_turn=True)
+        start, end = inset_ends(reach)
+    return SteadyCase(mechanism, np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)

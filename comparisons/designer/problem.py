@@ -21,12 +21,11 @@ from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import signal_gradients, signal_values
 from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
-from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import Integers, Tops, climb
 from analytic.signals import MAGNITUDE, OUTPUT_COORDINATE, is_angle
-from comparisons.designer.parameters import NamedFigure, Parameter, SteadyMotion, named_figures, parameter
+from comparisons.designer.parameters import NamedFigure, Parameter, SteadyCase, named_figures, parameter
 
 Array = NDArray[np.float64]
 
@@ -70,19 +69,18 @@ def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
 
 @dataclass(frozen=True)
 class LocalMaxima:
-    """Local maxima of some ``sides`` of signals, for any design of a mechanism under a steady motion."""
+    """Local maxima of some ``sides`` of signals, for any design of a linkage at a steady speed."""
 
-    mechanism: Mechanism
-    motion: SteadyMotion
+    case: SteadyCase
     sides: tuple[SignalExtreme, ...]
 
     @property
     def grid(self) -> Array:
         """Evenly spaced crank angles, rad or m."""
-        count = max(FEWEST_ANGLES, len(self.motion.places))
-        if self.motion.is_full_turn:
-            return np.linspace(0.0, self.mechanism.linkage.load_period, count, endpoint=False)
-        return np.linspace(self.motion.places[0], self.motion.places[-1], count)
+        count = max(FEWEST_ANGLES, len(self.case.places))
+        if self.case.is_full_turn:
+            return np.linspace(0.0, self.case.linkage.load_period, count, endpoint=False)
+        return np.linspace(self.case.places[0], self.case.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
         """The motion of a design cut at the minima between its maxima, for every side."""
@@ -114,7 +112,8 @@ class LocalMaxima:
 
         _, places = climb(tops, heights)
         every = np.arange(len(windows))
-        values, slopes = signal_gradients(self.mechanism, numbers, names, places, speed=self.motion.speed, at_tops=True)
+        case = self.case
+        values, slopes = signal_gradients(case.mechanism, numbers, names, places, speed=case.speed, at_tops=True)
         if not np.all(np.isfinite(slopes)):
             raise self._dead_position_error
         return ways * values[rows, every], ways[:, None] * slopes[rows, :, every]
@@ -125,18 +124,18 @@ class LocalMaxima:
 
     @property
     def _dead_position_error(self) -> AssemblyError:
-        return AssemblyError(f"'{self.mechanism.linkage.name}' stands in a dead position")
+        return AssemblyError(f"'{self.case.linkage.name}' stands in a dead position")
 
     def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
         """Signals (names, angles), SI, of a design; raises AssemblyError where it stands in a dead position."""
-        values = signal_values(self.mechanism, numbers, names, angle, speed=self.motion.speed)
+        values = signal_values(self.case.mechanism, numbers, names, angle, speed=self.case.speed)
         if not np.all(np.isfinite(values)):
             raise self._dead_position_error
         return values
 
     def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
         """Windows of one side, one around each of its highest maxima, cut at the minima between them."""
-        count, cyclic = len(values), self.motion.is_full_turn
+        count, cyclic = len(values), self.case.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:
             before[0] = after[-1] = -np.inf
@@ -232,8 +231,7 @@ class DesignProblem:
     Designs are points between 0 and 1, the bounds. Sizes are those of the design ``start`` from the file.
     """
 
-    mechanism: Mechanism
-    motion: SteadyMotion
+    case: SteadyCase
     aims: tuple[NamedFigure, ...]
     sign: float
     variables: tuple[Variable, ...]
@@ -250,7 +248,7 @@ class DesignProblem:
     def maxima(self) -> LocalMaxima:
         """Finds the local maxima of every signal side that an aim or a constraint is made of, for any design."""
         every = [side for figure in self.figures for side in sides(figure.figure)]
-        return LocalMaxima(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
+        return LocalMaxima(self.case, tuple(dict.fromkeys(every)))
 
     @cached_property
     def low(self) -> Array:
@@ -302,17 +300,14 @@ class DesignProblem:
             for side in self.maxima.sides:
                 rows = [row for row, window in enumerate(windows) if window.side == side]
                 heights[side] = values[rows], slopes[rows] * self.width
-        plain = [figure.figure for figure in self.figures if not sides(figure.figure)]
+        plain = [figure for figure in self.figures if not sides(figure.figure)]
         smooth = {}
         if plain:
-            values, slopes = self.motion.gradients(self.mechanism, numbers, plain)
+            values, slopes = self.case.gradients(numbers, plain)
             smooth = {
                 figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
             }
-        return [
-            smooth[figure.figure] if figure.figure in smooth else _figure_pieces(figure.figure, heights)
-            for figure in self.figures
-        ]
+        return [smooth.get(figure) or _figure_pieces(figure.figure, heights) for figure in self.figures]
 
     def sample_designs(self, places: Array, angles: Array) -> Array:
         """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
@@ -321,8 +316,7 @@ class DesignProblem:
         """
         values = self.low + self.width * places
         named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
-        figures = [figure.figure for figure in self.figures]
-        array = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
+        array = replace(self.case, places=angles).figures(named, self.figures, refine=False)
         aim = np.max(self.sign * array[: len(self.aims)], axis=0) / self.aim_size
         missed = [figure.violation(row) / size for figure, row, size in
                   zip(self.constraints, array[len(self.aims) :], self.constraint_sizes, strict=True)]  # fmt: skip

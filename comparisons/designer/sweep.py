@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import SPEED, with_numbers
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
@@ -29,10 +29,8 @@ from comparisons.designer.parameters import (
     NamedFigure,
     OpenEndFigures,
     Parameter,
-    SteadyMotion,
-    loads_that_stay,
+    SteadyCase,
     named_figures,
-    open_end_figures,
     parameter,
 )
 
@@ -196,38 +194,36 @@ REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
 
 @dataclass(frozen=True)
 class SweepRequest:
-    """Which figures of which designs of a linkage, and under which motion, described by ``conditions``.
+    """Which figures of which designs in a case.
 
     ``path`` is as for ``design_figures``; the paths differ by rounding, so that one does all blocks.
     """
 
-    linkage: Linkage
+    case: SteadyCase
     space: DesignSpace
     figures: tuple[NamedFigure, ...]
-    motion: SteadyMotion
     refine: bool = False
-    conditions: str = ""
     path: str = "auto"
 
     @property
     def numbers_of_file(self) -> dict[str, float]:
         """Numbers of the linkage's file, SI, by parameter; the speed is the motion's."""
         return {
-            parameter.name: abs(self.motion.speed) if parameter.kind == SPEED else parameter.value
+            parameter.name: abs(self.case.speed) if parameter.kind == SPEED else parameter.value
             for parameter in self.space.parameters
         }
 
     @property
     def at_open_end(self) -> OpenEndFigures:
         """The figures of the file's own design whose extremes lie at an open end of the motion."""
-        return open_end_figures(Mechanism(self.linkage), self.motion, self.figures)
+        return self.case.open_ends(self.figures)
 
     @property
     def loads_that_stay(self) -> str:
         """A sentence on loads over the crank angle while the dead centres of the first or the last design move."""
         ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
         designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
-        return loads_that_stay(Mechanism(self.linkage), designs)
+        return self.case.loads_that_stay(designs)
 
     @property
     def warnings(self) -> list[str]:
@@ -284,9 +280,9 @@ def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = l
     Raises LinkproofError where the space has values that no design can.
     """
     own, count = figures_of_file(request), request.space.count
-    cost = len(request.motion.places) * (REFINED if request.refine else 1)
+    cost = len(request.case.places) * (REFINED if request.refine else 1)
     size = min(max(1, PLACES // cost), LARGEST)
-    path = usual_path([figure.figure for figure in request.figures], count * len(request.motion.places))
+    path = usual_path([figure.figure for figure in request.figures], count * len(request.case.places))
     values = np.empty((len(request.figures), count))
     for first in range(0, count, size):
         last = min(first + size, count)
@@ -302,10 +298,7 @@ def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
 
 def _compute_figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
     """Figures (figures, designs) of numbers (designs,), SI, by name, in the units of the file."""
-    figures = [figure.figure for figure in request.figures]
-    values = request.motion.figures(
-        Mechanism(request.linkage), numbers, figures, refine=request.refine, path=request.path
-    )
+    values = request.case.figures(numbers, request.figures, refine=request.refine, path=request.path)
     return np.asarray(values / np.array([figure.unit.size for figure in request.figures])[:, None])
 
 
@@ -330,17 +323,16 @@ def figures_of_file(request: SweepRequest) -> Array:
 
 def reason_not_assembled(request: SweepRequest) -> str:
     """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
-    mechanism = Mechanism(request.linkage)
-    first = request.space.block(0, 1)
+    case, first = request.case, request.space.block(0, 1)
     design = {name: float(values[0]) for name, values in first.items()}
     try:
-        moved = mechanism.redesigned(with_numbers(mechanism.linkage, design)).sweep(request.motion.places)
-        for body in mechanism.structure.bodies:
+        moved = case.redesigned(design).mechanism.sweep(case.places)
+        for body in case.mechanism.structure.bodies:
             moved.rates(body)
     except AssemblyError as error:
         return str(error)
     stands = np.all(np.isnan(_compute_figures(replace(request, path="numpy"), first)))
-    return f"'{mechanism.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""
+    return f"'{case.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""
 
 
 def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: Any) -> xarray.Dataset:  # noqa: ANN401
@@ -357,10 +349,10 @@ def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: 
         coords={name: (name if name in over else ONE_BY_ONE, entry, units[name]) for name, entry in values.items()},
         attrs={
             **({"open_ends": request.at_open_end.sentence} if request.at_open_end.names else {}),
-            "mechanism": request.linkage.name,
-            "variant": request.linkage.variant,
-            "conditions": request.conditions,
-            "angles": len(request.motion.places),
+            "mechanism": request.case.linkage.name,
+            "variant": request.case.linkage.variant,
+            "conditions": request.case.conditions,
+            "angles": len(request.case.places),
             "refined": int(request.refine),
         },
     )

@@ -35,16 +35,14 @@ from analytic.description.units import Kind, factor
 from analytic.description.written import FileUnit
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.parameters import (
     LISTING,
     NamedFigure,
     OpenEndFigures,
     Parameter,
-    SteadyMotion,
+    SteadyCase,
     mass_words,
     named_figures,
-    open_end_figures,
     parameter,
     parameters,
 )
@@ -230,24 +228,22 @@ TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
 
 @dataclass(frozen=True)
 class ToleranceRequest:
-    """Tolerances of a mechanism, the results they may move, its motion, the random designs, and conditions in words."""
+    """A linkage in a case, tolerances of its numbers, the results they may move, and the number of random designs."""
 
-    mechanism: Mechanism
+    case: SteadyCase
     tolerances: tuple[Tolerance, ...]
     figures: tuple[NamedFigure, ...]
-    motion: SteadyMotion
     samples: int
-    conditions: str = ""
 
     @cached_property
     def at_open_end(self) -> OpenEndFigures:
         """The results whose extremes lie at an open end of the motion."""
-        return open_end_figures(self.mechanism, self.motion, self.figures)
+        return self.case.open_ends(self.figures)
 
     @property
     def _nominal_numbers(self) -> dict[str, float]:
         """The nominal numbers, SI, the speed among them."""
-        return numbers(self.mechanism.linkage) | {SPEED: abs(self.motion.speed)}
+        return numbers(self.case.linkage) | {SPEED: abs(self.case.speed)}
 
     @property
     def names(self) -> list[str]:
@@ -277,18 +273,17 @@ class ToleranceRequest:
     def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
         """Results of designs, (results, designs), SI, at offsets (tolerances, designs) from the nominal; may be nan."""
         designs, count, parts = self.designs(offsets), offsets.shape[1], []
-        size = TOGETHER if is_exact(self.mechanism) else ALONE
+        size = TOGETHER if is_exact(self.case.mechanism) else ALONE
         for start in range(0, count, size):
             announce("designs", start, count)
             some = {name: values[start : start + size] for name, values in designs.items()}
-            parts.append(self.motion.figures(self.mechanism, some, [figure.figure for figure in self.figures]))
+            parts.append(self.case.figures(some, self.figures))
         return np.concatenate(parts, axis=1)
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
         nominal = self._nominal_numbers
-        figures = [figure.figure for figure in self.figures]
-        _, gradients = self.motion.gradients(self.mechanism, {name: nominal[name] for name in self.names}, figures)
+        _, gradients = self.case.gradients({name: nominal[name] for name in self.names}, self.figures)
         by = dict(zip(self.names, gradients.T, strict=True))
         columns = []
         for tolerance in self.tolerances:
@@ -301,34 +296,28 @@ class ToleranceRequest:
         return np.stack(columns, axis=1)
 
 
-def tolerance_request(
-    mechanism: Mechanism,
-    motion: SteadyMotion,
-    requested: Tolerances,
-    *,
-    samples: int | None = None,
-    conditions: str = "",
-) -> ToleranceRequest:
-    """The checked request of a tolerance study; ``conditions`` describes the motion in words.
+def tolerance_request(case: SteadyCase, requested: Tolerances, samples: int | None = None) -> ToleranceRequest:
+    """The checked request of a tolerance study.
 
     Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
     LinkproofError for an unknown name, no results, or too few or too many samples.
     """
-    result = tolerances(mechanism.linkage, requested.table, f"{requested.origin}tolerances.", motion.speed)
+    result = tolerances(case.linkage, requested.table, f"{requested.origin}tolerances.", case.speed)
     if not requested.results:
         raise LinkproofError(f'{requested.origin}results: expected a figure, as "Mkr.peak", got none; name one')
     try:
-        figures = named_figures(mechanism, requested.results)
+        figures = named_figures(case.mechanism, requested.results)
     except LinkproofError as error:
         raise LinkproofError(f"{requested.origin}{error}") from error
     if samples is None:
-        samples = SAMPLES if is_exact(mechanism) else FEW_SAMPLES
+        samples = SAMPLES if is_exact(case.mechanism) else FEW_SAMPLES
     if samples < FEWEST:
         raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
     if samples > MOST:
         raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
-    request = ToleranceRequest(mechanism, result, figures, motion, samples)
-    return replace(request, conditions=conditions + mass_words(mechanism.linkage, request.names))
+    request = ToleranceRequest(case, result, figures, samples)
+    words = case.conditions + mass_words(case.linkage, request.names)
+    return replace(request, case=replace(case, conditions=words))
 
 
 EXACT, DIFFERENCE = "exact", "difference"
@@ -358,7 +347,7 @@ class ToleranceStudy:
     @property
     def how(self) -> str:
         """Whether the derivatives are exact or differences."""
-        return EXACT if is_exact(self.request.mechanism) else DIFFERENCE
+        return EXACT if is_exact(self.request.case.mechanism) else DIFFERENCE
 
     @property
     def has_all_corners(self) -> bool:
@@ -447,7 +436,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     whole = np.isfinite(scattered).all(axis=0)
     if not np.all(np.isfinite(nominal)) or np.count_nonzero(whole) < 2:
         raise LinkproofError(
-            f"'{request.mechanism.linkage.name}': expected designs that assemble at every angle, got "
+            f"'{request.case.linkage.name}': expected designs that assemble at every angle, got "
             f"{np.count_nonzero(whole)} of {request.samples}; lessen the tolerances"
         )
     return ToleranceStudy(

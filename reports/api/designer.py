@@ -57,11 +57,12 @@ def mechanisms(
 
         return listed_mechanisms()
     from reports.api.linkages import load_linkage
+    from reports.api.motions import requested_case
     from reports.api.steady import steady_case
     from reports.designs import linkages
 
     found = steady_case(load_linkage(mechanism), STILL)
-    return linkages.listed_figures(found.mechanism, found.conditions, found.case)
+    return linkages.listed_figures(found.mechanism, found.conditions, requested_case(STILL.motion, found.mechanism))
 
 
 @checked
@@ -277,7 +278,7 @@ def optimise(
     command = command_line(optimise, locals())
     request = optimisation_request(minimise, maximise, over, keep, is_global=everywhere, step=step)
     case = steady_case(chosen, motion, scale_mass=scale_mass)
-    best = find_optimum(case.mechanism, case.motion, request, announce)
+    best = find_optimum(case, request, announce)
     conditions = case.conditions + mass_words(case.mechanism.linkage, best.after)
     return Optimisation(best, conditions, command, check_words(best, motion))
 
@@ -319,9 +320,8 @@ def tolerance(
     chosen, _, motion = resolve(mechanism, motion)
     if motion.speed is None:
         motion = replace(motion, speed=asked.speed)
-    mechanism_, steady, conditions, _ = steady_case(chosen, motion, scale_mass=scale_mass)
-    request = tolerance_request(mechanism_, steady, asked, samples=samples, conditions=conditions)
-    return Tolerance(tolerance_study(request, announce))
+    case = steady_case(chosen, motion, scale_mass=scale_mass)
+    return Tolerance(tolerance_study(tolerance_request(case, asked, samples), announce))
 
 
 @checked

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,12 @@ from comparisons.designer.optimisation import OptimisationRequest, Optimum
 from comparisons.designer.parameters import (
     SAMPLES,
     Parameter,
-    SteadyMotion,
+    SteadyCase,
+    case_at_speed,
     mass_words,
     named_figures,
     parameter,
     speed_unit,
-    steady_motion,
 )
 from comparisons.designer.sweep import (
     MOST,
@@ -41,25 +41,16 @@ from comparisons.designer.sweep import (
     sweep_block,
     usual_figures,
 )
-from comparisons.motion.case import Case
 from reports.api.motions import requested_case
-from reports.api.options import Ranges, option_words, range_word
-from reports.api.options import SteadyMotion as Asked
+from reports.api.options import Ranges, SteadyMotion, option_words, range_word
 
 if TYPE_CHECKING:
     import xarray
 
 
-class SteadyCase(NamedTuple):
-    """A mechanism under a motion at constant speed, and the case of both; ``conditions`` are both in words."""
-
-    mechanism: Mechanism
-    motion: SteadyMotion
-    conditions: str
-    case: Case
-
-
-def steady_case(linkage: Linkage, options: Asked, *, scale_mass: bool = False, refine: bool = True) -> SteadyCase:
+def steady_case(
+    linkage: Linkage, options: SteadyMotion, *, scale_mass: bool = False, refine: bool = True
+) -> SteadyCase:
     """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
 
     Raises LinkproofError for bad input.
@@ -73,16 +64,16 @@ def steady_case(linkage: Linkage, options: Asked, *, scale_mass: bool = False, r
     speed = float(case.motion.speed(np.array([0.0]))[0])
     turns = not (linkage.is_linear or motion.swings) and abs(last - first) >= FULL_TURN * (1.0 - NEGLIGIBLE)
     start, end = (None, None) if turns else (first, last)
-    steady = steady_motion(mechanism, speed, start=start, end=end)
+    steady = case_at_speed(mechanism, speed, start=start, end=end)
     how = f"refined between {SAMPLES}" if refine else f"sampled at {SAMPLES}"
     places = "places" if linkage.is_linear else "crank angles"
     newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
-    return SteadyCase(mechanism, steady, f"{conditions(case)}, {how} {places}{newton}", case)
+    return replace(steady, conditions=f"{conditions(case)}, {how} {places}{newton}")
 
 
 def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str], *, refine: bool) -> SweepRequest:
     """The figures of a space of designs; raises LinkproofError for unknown names and more values than memory holds."""
-    linkage = case.mechanism.linkage
+    linkage = case.linkage
     figures = named_figures(case.mechanism, quantity) if quantity else usual_figures(case.mechanism)
     if not figures:
         raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
@@ -92,7 +83,7 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
             "less, or call linkproof.sweep from Python with Dask arrays, whose chunks are computed one by one"
         )
     conditions = case.conditions + mass_words(linkage, (parameter.name for parameter in space.parameters))
-    return SweepRequest(linkage, space, figures, case.motion, refine, conditions)
+    return SweepRequest(replace(case, conditions=conditions), space, figures, refine)
 
 
 Array = NDArray[np.float64]
@@ -184,10 +175,10 @@ def optimisation_request(
     return OptimisationRequest(minimise or maximise or "", varied, held, minimise is not None, is_global, step or "")
 
 
-def check_words(best: Optimum, motion: Asked) -> tuple[str, ...]:
+def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
     """The options by which ``compare`` checks the best design under the same motion; its file has one variant."""
     same = replace(motion.motion, variant=None)
     if SPEED in best.after:
-        unit = speed_unit(best.problem.mechanism.linkage)
+        unit = speed_unit(best.problem.case.linkage)
         same = replace(same, speed=math.copysign(float(f"{best.after[SPEED] / unit.size:.15g}"), same.rpm))
     return tuple(option_words(same))

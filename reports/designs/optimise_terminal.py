@@ -117,7 +117,7 @@ def _percent(share: float) -> str:
 def _remarks(optimum: Optimum) -> Iterator[Printed]:
     """How the search went."""
     search, problem = optimum.search, optimum.problem
-    way = "exact derivatives" if is_exact(problem.mechanism) else "differences"
+    way = "exact derivatives" if is_exact(problem.case.mechanism) else "differences"
     grid = len(problem.maxima.grid)
     sampled = f", {search.counter.sampled} sampled designs" if search.counter.sampled else ""
     yield (
@@ -212,8 +212,8 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
     ]  # fmt: skip
     return {
         "command": command,
-        "mechanism": problem.mechanism.linkage.name,
-        "variant": problem.mechanism.linkage.variant,
+        "mechanism": problem.case.linkage.name,
+        "variant": problem.case.linkage.variant,
         "conditions": conditions,
         "aim": {aim_word(optimum): [named_figure.name for named_figure in problem.aims]},
         "kept": tables,
@@ -222,7 +222,7 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
         "figures": figures,
         "search": {
             "method": search.method,
-            "derivatives": "exact" if is_exact(problem.mechanism) else "differences",
+            "derivatives": "exact" if is_exact(problem.case.mechanism) else "differences",
             "angles": len(problem.maxima.grid),
             "designs_with_derivatives": search.counter.gradients,
             "designs_sampled": search.counter.sampled,
@@ -254,7 +254,7 @@ def before_after_chart(optimum: Optimum, conditions: str) -> Chart:
 
 def _panel(optimum: Optimum, name: str, curves: Array) -> Panel:
     """One signal before and after, (2, angles) in SI, with its largest magnitudes marked."""
-    linkage, maxima = optimum.problem.mechanism.linkage, optimum.problem.maxima
+    linkage, maxima = optimum.problem.case.linkage, optimum.problem.maxima
     unit, length = file_unit(signals.unit(name, linkage), linkage), file_unit("m", linkage)
     places = maxima.grid / length.size if linkage.is_linear else np.degrees(maxima.grid)
     drawn, notes = [], []
@@ -267,6 +267,6 @@ def _panel(optimum: Optimum, name: str, curves: Array) -> Panel:
     peaks = " → ".join(note.text for note in notes)
     title = f"{printable(name.removesuffix(MAGNITUDE))}: peak {peaks} {unit_name}".rstrip()
     axis = f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °"
-    turn = maxima.motion.is_full_turn
+    turn = maxima.case.is_full_turn
     y_label = axis_label("value", unit_name)
     return Panel(tuple(drawn), axis, y_label, (), tuple(notes), turn=turn, names="", title=title)

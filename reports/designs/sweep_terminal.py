@@ -34,7 +34,7 @@ def parts(study: SweepStudy) -> list[Printed]:
         for what, value, where in _ends(study, number)
     ]
     table = Table("", ["figure", "design", "value", *shown], rows, "llr")
-    return [Paragraph(request.conditions, colour="bold"), sentence(study), "", table]
+    return [Paragraph(request.case.conditions, colour="bold"), sentence(study), "", table]
 
 
 def sentence(study: SweepStudy) -> str:
@@ -63,9 +63,9 @@ def document(study: SweepStudy) -> dict[str, Any]:
     open_ends = request.at_open_end
     names = [parameter.name for parameter in space.parameters]
     return {
-        "mechanism": request.linkage.name,
-        "variant": request.linkage.variant,
-        "conditions": request.conditions,
+        "mechanism": request.case.linkage.name,
+        "variant": request.case.linkage.variant,
+        "conditions": request.case.conditions,
         "designs": space.count,
         "assembled": int(np.count_nonzero(study.assembles)),
         "parameters": {

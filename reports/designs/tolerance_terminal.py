@@ -27,7 +27,7 @@ TIED, NONE = "none: equal local maxima", "none"
 
 def printout(study: ToleranceStudy) -> Printout:
     """A table per result, rows by contribution, then in sentences the worst case and the random designs."""
-    parts: list[Printed] = [Paragraph(study.request.conditions, colour="bold")]
+    parts: list[Printed] = [Paragraph(study.request.case.conditions, colour="bold")]
     for row in range(len(study.request.figures)):
         parts += ["", _table(study, row), *_sentences(study, row)]
     lost = 1.0 - study.assembled
@@ -116,9 +116,9 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
     """Everything but the random designs themselves; what is not finite is null."""
     request = study.request
     return {
-        "mechanism": request.mechanism.linkage.name,
-        "variant": request.mechanism.linkage.variant,
-        "conditions": request.conditions,
+        "mechanism": request.case.linkage.name,
+        "variant": request.case.linkage.variant,
+        "conditions": request.case.conditions,
         "samples": request.samples,
         "seed": SEED,
         "assembled": study.assembled,
@@ -184,7 +184,7 @@ def tornado_chart(study: ToleranceStudy) -> Chart:
     panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
     height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
     key = (Curve(name="at the lower limit", width=WIDE), Curve(name="at the upper limit", ink=1, width=WIDE))
-    return Chart(panels, height, wide=True, head=(study.request.conditions,), key=key)
+    return Chart(panels, height, wide=True, head=(study.request.case.conditions,), key=key)
 
 
 def _panel(study: ToleranceStudy, row: int) -> Panel:
@@ -244,9 +244,9 @@ def dataset(study: ToleranceStudy) -> xarray.Dataset:
             "level": [*QUANTILES],
         },
         attrs={
-            "mechanism": request.mechanism.linkage.name,
-            "variant": request.mechanism.linkage.variant,
-            "conditions": request.conditions,
+            "mechanism": request.case.linkage.name,
+            "variant": request.case.linkage.variant,
+            "conditions": request.case.conditions,
             "derivatives": study.how,
             "corners": "all" if study.has_all_corners else "the two that derivatives single out",
             "samples": request.samples,

@@ -154,7 +154,7 @@ class Sweep(Study):
     @property
     def warnings(self) -> Sequence[str]:
         """Those of the request and of the file."""
-        return [*self.study.request.warnings, *warnings(self.study.request.linkage)]
+        return [*self.study.request.warnings, *warnings(self.study.request.case.linkage)]
 
     def printout(self) -> Printout:
         """Conditions, number of designs, a table of the figures."""
@@ -222,12 +222,12 @@ class Optimisation(Study):
     @property
     def warnings(self) -> Sequence[str]:
         """Those of the search and of the file."""
-        return [*self.best.warnings, *warnings(self.best.problem.mechanism.linkage)]
+        return [*self.best.warnings, *warnings(self.best.problem.case.linkage)]
 
     @property
     def toml(self) -> str:
         """The file of the new design."""
-        return design_file(self.best.problem.mechanism, self.best.written)
+        return design_file(self.best.problem.case.mechanism, self.best.written)
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
@@ -264,7 +264,7 @@ class Optimisation(Study):
     def _speed_note(self) -> Sequence[str]:
         if SPEED not in self.best.after:
             return ()
-        unit = speed_unit(self.best.problem.mechanism.linkage)
+        unit = speed_unit(self.best.problem.case.linkage)
         speed = float(f"{self.best.after[SPEED] / unit.size:.15g}")
         return [f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file has no speed."]
 
@@ -305,7 +305,7 @@ class Tolerance(Study):
     def warnings(self) -> Sequence[str]:
         """Results at open ends, and probable slips of the file."""
         request = self.study.request
-        return [*filter(None, [request.at_open_end.sentence]), *warnings(request.mechanism.linkage)]
+        return [*filter(None, [request.at_open_end.sentence]), *warnings(request.case.linkage)]
 
     @cached_property
     def dataset(self) -> xarray.Dataset:

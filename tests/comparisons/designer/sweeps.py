@@ -2,7 +2,7 @@
 
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designer.parameters import named_figures, steady_motion
+from comparisons.designer.parameters import case_at_speed, named_figures
 from comparisons.designer.sweep import DesignSpace, SweepRequest, parameter_range
 from tests.analytic.linkages import file_text
 
@@ -17,6 +17,5 @@ def grid(*texts):
 
 
 def request(space=None, figures=FIGURES, samples=8, speed=100.0):
-    mechanism = Mechanism(SIX_BAR)
-    motion = steady_motion(mechanism, speed, samples=samples)
-    return SweepRequest(SIX_BAR, space or grid(*GRID), named_figures(mechanism, figures), motion)
+    case = case_at_speed(Mechanism(SIX_BAR), speed, samples=samples)
+    return SweepRequest(case, space or grid(*GRID), named_figures(case.mechanism, figures))

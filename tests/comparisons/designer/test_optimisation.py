@@ -14,7 +14,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import sheet, usual_case
 from comparisons.designer.optimisation import OptimisationRequest, optimise
-from comparisons.designer.parameters import steady_motion
+from comparisons.designer.parameters import case_at_speed
 from comparisons.designer.searches import AGREEING
 from tests.analytic.linkages import from_text
 from tests.comparisons.designer.sweeps import BARE
@@ -27,7 +27,7 @@ CRANK, GROUND, ROCKER = 0.02, 0.06, 0.045  # m, of the four-bar
 
 def best(mechanism, *over, **wish):
     chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
-    return optimise(chosen, steady_motion(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)
+    return optimise(case_at_speed(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)
 
 
 def moved(name, value):
@@ -70,7 +70,7 @@ def test_where_two_tops_tie_the_optimum_is_the_kink():
 
 def test_the_largest_of_all_joints_is_lower_than_a_grid_finds():
     found = best("rimoldi-164", "rod.B.x=±6%", "crank.centre.x=-4:8", figure="joint_force.peak")
-    mechanism, names = found.problem.mechanism, list(found.after)
+    mechanism, names = found.problem.case.mechanism, list(found.after)
     rod, centre = (
         side.ravel() for side in np.meshgrid(np.linspace(0.94, 1.06, 21) * 0.175, np.linspace(-4, 8, 21) * 1e-3)
     )
@@ -87,7 +87,7 @@ def test_a_kept_stroke_is_kept_and_no_design_that_keeps_it_is_lower():
     found = best("rimoldi-164", *over, figure="Mkr.peak", keep=["stroke"])
     own, after = found.values[:, 1]
     assert after == pytest.approx(own, rel=1e-9)
-    mechanism = found.problem.mechanism
+    mechanism = found.problem.case.mechanism
 
     def peak(rod):
         def miss(rocker):
@@ -155,7 +155,7 @@ def test_over_one_number_every_kind_of_figure_is_as_good_as_on_a_fine_grid(wish,
     problem = found.problem
     values = np.linspace(0.0, 1.0, 101)[:, None]
     named = dict.fromkeys(found.after, problem.low[0] + problem.width[0] * values[:, 0])
-    grid = figures(problem.mechanism, named, *(one.figure for one in problem.figures))
+    grid = figures(problem.case.mechanism, named, *(one.figure for one in problem.figures))
     for one, row in zip(problem.constraints, grid[1:], strict=True):
         grid[0, one.violation(row) > 0.0] = np.nan
     sided, least = problem.sign * grid[0], problem.sign * found.values[1, 0]

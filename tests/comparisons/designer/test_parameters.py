@@ -12,7 +12,7 @@ from analytic.description.changes import LOADS, numbers, with_numbers, without
 from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designer.parameters import named_figures, steady_motion
+from comparisons.designer.parameters import case_at_speed, named_figures
 from comparisons.designer.problem import constraint_texts
 from comparisons.designer.sweep import parameter_range
 from reports.document.templates import worded
@@ -70,15 +70,14 @@ def _by_inertia_alone(name):
 )
 def test_every_figure_and_its_derivative_is_that_of_a_power_of_the_speed(name, turn):
     sample = _by_inertia_alone(name)
-    motion = steady_motion(sample, turn * 50.0, samples=24)
+    case = case_at_speed(sample, turn * 50.0, samples=24)
     named = named_figures(sample, POWER_FIGURES)
-    figures = [one.figure for one in named]
     powers = np.array([POWERS[one.name.replace("@", ".").replace(":", ".").partition(".")[0]] for one in named])
     for options in ({}, {"refine": False, "path": "numpy"}):
-        found = motion.figures(sample, {"speed": SPEEDS}, figures, **options)
+        found = case.figures({"speed": SPEEDS}, named, **options)
         expected = found[:, 1:2] * (SPEEDS / 50.0) ** powers[:, None]
         np.testing.assert_allclose(found, expected, rtol=1e-11)
-    values, slopes = motion.gradients(sample, {"speed": 50.0}, figures)
+    values, slopes = case.gradients({"speed": 50.0}, named)
     np.testing.assert_allclose(slopes[:, 0], powers * values / 50.0, rtol=1e-11 if not sample.is_numerical else 1e-8)
 
 
@@ -102,13 +101,13 @@ def slender(length):
 @pytest.mark.parametrize("path", ["numpy", pytest.param("compiled", marks=pytest.mark.nightly)])
 def test_a_slender_bar_of_another_length_is_the_one_that_a_file_has(path):
     lengths, sample = np.array([54.5, 50.0, 70.0]), scaled(slender(54.5))
-    motion = steady_motion(sample, 100.0, samples=36)
-    figures = [one.figure for one in named_figures(sample, FIGURES[:-1])]
-    found = motion.figures(sample, {"coupler.D.x": 1e-3 * lengths}, figures, refine=path == "numpy", path=path)
+    case = case_at_speed(sample, 100.0, samples=36)
+    figures = named_figures(sample, FIGURES[:-1])
+    found = case.figures({"coupler.D.x": 1e-3 * lengths}, figures, refine=path == "numpy", path=path)
     for column, length in enumerate(lengths):
-        alone = slender(float(length))
+        alone = replace(case, mechanism=slender(float(length)))
         own = {"coupler.D.x": np.array([1e-3 * length])}
-        expected = motion.figures(alone, own, figures, refine=path == "numpy", path="numpy")
+        expected = alone.figures(own, figures, refine=path == "numpy", path="numpy")
         np.testing.assert_allclose(found[:, column], expected[:, 0], rtol=1e-12)
 
 
@@ -122,16 +121,16 @@ def test_a_slender_bar_of_another_length_is_the_one_that_a_file_has(path):
 )
 def test_derivatives_are_those_of_the_chain_rule_and_a_mass_that_is_named_is_as_given(sample, link, point, tight):
     name = f"{link}.{point}.x"
-    motion, old = steady_motion(sample, 30.0, samples=24), numbers(sample.linkage)
-    figures = [one.figure for one in named_figures(sample, FIGURES)]
+    case, old = case_at_speed(sample, 30.0, samples=24), numbers(sample.linkage)
+    figures = named_figures(sample, FIGURES)
     value, whole = 1.01 * old[name], sum(np.hypot(x, y) for x, y in sample.linkage.links[link].points.values())
     radius, grown = (np.hypot(x, old[f"{link}.{point}.y"]) for x in (old[name], value))
     scale, rate = 1.0 + (grown - radius) / whole, value / grown / whole
     parts = {f"{link}.mass": 1, f"{link}.centre.x": 1, f"{link}.centre.y": 1, f"{link}.inertia": 3}
     own = {name: value, **{one: old[one] * scale**power for one, power in parts.items()}}
     rates = np.array([1.0, *(power * old[one] * scale ** (power - 1) * rate for one, power in parts.items())])
-    values, slopes = motion.gradients(sample, own, figures)
-    found, total = motion.gradients(scaled(sample), {name: value}, figures)
+    values, slopes = case.gradients(own, figures)
+    found, total = replace(case, mechanism=scaled(sample)).gradients({name: value}, figures)
     np.testing.assert_allclose(found, values, rtol=1e-12)
     sizes = np.max(np.abs(slopes * rates), axis=1)
     assert np.all(np.abs(total[:, 0] - slopes @ rates) <= tight * sizes)
@@ -156,11 +155,8 @@ def test_the_file_of_an_optimum_has_the_masses_and_so_the_figures():
     assert own.linkage.links["rod"].mass == pytest.approx(float(after["rod.mass"]), rel=1e-15)
     still = Mechanism(without(own.linkage, "gravity"))
     named = named_figures(still, ["Mkr.peak", "Jeq.mean", "joint_force:O2.peak", "stroke"])
-    motion = steady_motion(still, 1000.0 * np.pi / 30.0)
-    values = motion.figures(
-        still, {"rod.mass": np.array([own.linkage.links["rod"].mass])}, [one.figure for one in named]
-    )
-    for one, (value,) in zip(named, values, strict=True):
+    values = case_at_speed(still, 1000.0 * np.pi / 30.0).figures_of({"rod.mass": own.linkage.links["rod"].mass}, named)
+    for one, value in zip(named, values, strict=True):
         assert value / one.unit.size == pytest.approx(float(after[one.name]), rel=1e-12)
 
 

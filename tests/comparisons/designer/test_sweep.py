@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer import sweep as sweeps
 from comparisons.designer.building import sheet, usual_case
-from comparisons.designer.parameters import named_figures, steady_motion
+from comparisons.designer.parameters import case_at_speed, named_figures
 from comparisons.designer.sweep import (
     DesignSpace,
     SweepRequest,
@@ -115,8 +115,8 @@ def looped(asked):
         values = asked.space.block(number, number + 1)
         found.append(
             design_figures(
-                mechanism, values, [one.figure for one in asked.figures], asked.motion.places,
-                speed=asked.motion.speed, path="numpy"
+                mechanism, values, [one.figure for one in asked.figures], asked.case.places,
+                speed=asked.case.speed, path="numpy"
             )[:, 0] / [one.unit.size for one in asked.figures]
         )  # fmt: skip
     return np.array(found).T
@@ -143,9 +143,9 @@ def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch):
 @pytest.mark.parametrize("refine", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     mechanism = on_trial("near-toggle", None, False)
-    motion = steady_motion(mechanism, 1000.0 * RPM)
+    case = case_at_speed(mechanism, 1000.0 * RPM)
     space = DesignSpace(*zip(parameter_range(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
-    asked = SweepRequest(mechanism.linkage, space, named_figures(mechanism, ["Mkr.rms"]), motion, refine=refine)
+    asked = SweepRequest(case, space, named_figures(mechanism, ["Mkr.rms"]), refine=refine)
     (shown,) = (one for one in sheet(usual_case(mechanism)).figures["drive"] if one.what == "RMS torque")
     assert figures_of_file(asked)[0] == pytest.approx(shown.value, rel=1e-9)
 

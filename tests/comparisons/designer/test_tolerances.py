@@ -13,7 +13,7 @@ from analytic.description.loading import load
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designer.parameters import named_figures, steady_motion
+from comparisons.designer.parameters import case_at_speed, named_figures
 from comparisons.designer.tolerances import (
     FEW_SAMPLES,
     Distribution,
@@ -102,13 +102,10 @@ TABLE = {
 }
 
 
-def study(table=TABLE, results=("Mkr.peak", "stroke", "Mkr@30"), samples=10_000, **options):
-    motion = steady_motion(RIMOLDI, 104.7, samples=90)
-    options["samples"] = samples
-    request = ToleranceRequest(
-        RIMOLDI, tolerances(RIMOLDI.linkage, table), named_figures(RIMOLDI, results), motion, **options
-    )
-    return tolerance_study(request)
+def study(table=TABLE, results=("Mkr.peak", "stroke", "Mkr@30"), samples=10_000):
+    case = case_at_speed(RIMOLDI, 104.7, samples=90)
+    asked = tolerances(RIMOLDI.linkage, table)
+    return tolerance_study(ToleranceRequest(case, asked, named_figures(RIMOLDI, results), samples))
 
 
 def test_corners_and_changes_are_those_of_linkages_built_one_by_one():
@@ -171,9 +168,9 @@ def test_designs_that_do_not_assemble_are_counted_and_none_at_all_is_told():
 def test_where_there_is_no_closed_form_derivatives_are_differences():
     sample, heard = driven("ternary-on-rods"), []
     asked = Tolerances(("Mkr@30",), None, {"crank.A.x": 0.01})
-    motion = steady_motion(sample, 10.0, samples=8)
-    request = tolerance_request(sample, motion, asked, samples=2)
-    assert tolerance_request(sample, motion, asked).samples == FEW_SAMPLES
+    case = case_at_speed(sample, 10.0, samples=8)
+    request = tolerance_request(case, asked, samples=2)
+    assert tolerance_request(case, asked).samples == FEW_SAMPLES
     found = tolerance_study(request, lambda *words: heard.append(words))
     slopes = (found.changes[..., 1] - found.changes[..., 0]) / 2.0
     assert found.how == "difference"
@@ -183,10 +180,10 @@ def test_where_there_is_no_closed_form_derivatives_are_differences():
 
 def test_tops_that_tie_have_the_larger_change_for_a_contribution():
     sample = from_text(IN_LINE)
-    motion = steady_motion(sample, 104.7, samples=90)
+    case = case_at_speed(sample, 104.7, samples=90)
     figures = named_figures(sample, ["v.peak"])
     asked = tolerances(sample.linkage, {"piston.through.y": 0.001, "rod.B.x": 0.001})
-    found = tolerance_study(ToleranceRequest(sample, asked, figures, motion, 4))
+    found = tolerance_study(ToleranceRequest(case, asked, figures, 4))
     assert np.isnan(found.derivatives[0]).tolist() == [True, False]
     assert np.all(found.contributions > 0.0)
     assert np.all(found.contributions < 1e-2 * np.abs(found.nominal))  # not from one stroke's peak to the other's

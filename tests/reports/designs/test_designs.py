@@ -8,7 +8,7 @@ import xarray
 from matplotlib.patches import Rectangle
 
 from analytic.description.crank_motion import RPM
-from comparisons.designer.parameters import steady_motion
+from comparisons.designer.parameters import case_at_speed
 from comparisons.designer.sweep import sweep
 from comparisons.designer.tolerances import Tolerances, tolerance_request, tolerance_study
 from reports.charts import draw
@@ -136,8 +136,8 @@ def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
 
 def printed_study(sample, results, table, **options):
     """The text of a study."""
-    motion = steady_motion(sample, 900.0 * RPM, samples=24)
-    study = tolerance_study(tolerance_request(sample, motion, Tolerances(results, None, table), **options))
+    case = case_at_speed(sample, 900.0 * RPM, samples=24)
+    study = tolerance_study(tolerance_request(case, Tolerances(results, None, table), **options))
     found = printout(study)
     return study, rendered(*found.tables, *found.closing)
 
@@ -162,8 +162,7 @@ CHANGES = np.array([(-1e-3, 2e-3), (-5e-3, 4e-3), (3e-3, 1e-3), (0.0, 0.0)])  # 
 def study():
     rimoldi = mechanism("rimoldi-164", "as-built")
     asked = Tolerances(("Mkr.peak",), None, dict.fromkeys(NAMES, 0.001))
-    motion = steady_motion(rimoldi, 900.0 * RPM, samples=24)
-    request = tolerance_request(rimoldi, motion, asked, samples=4)
+    request = tolerance_request(case_at_speed(rimoldi, 900.0 * RPM, samples=24), asked, samples=4)
     return replace(tolerance_study(request), changes=CHANGES[None], nominal=np.array([0.27]))
 
 
@@ -177,7 +176,7 @@ def bars(axes):
 def test_the_largest_bar_is_on_top_and_what_moves_nothing_is_counted(study):
     figure = draw.figure(tornado_chart(study))
     (axes,), words = figure.axes, texts(figure)
-    assert {study.request.conditions, "at the lower limit", "at the upper limit"} <= set(words)
+    assert {study.request.case.conditions, "at the lower limit", "at the upper limit"} <= set(words)
     assert bars(axes) == [[(0, -5e-3), (1, 3e-3), (2, -1e-3)], [(0, 4e-3), (1, 1e-3), (2, 2e-3)]]
     assert [word for word in words if word in NAMES] == ["rocker.B.x", "rod.mass", "rod.B.x"]
     assert {"Mkr.peak: 0.2700 N*m; 1 moves nothing", "change, N*m"} <= set(words)
