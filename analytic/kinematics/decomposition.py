@@ -58,7 +58,7 @@ def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) 
 
     Of what can be solved next dyads come first, before groups of a higher class, and of each kind the first by name.
     """
-    matching = _Matching(dict(sizes), equations)
+    matching = Matching(dict(sizes), equations)
     loose, groups, done = matching.loose(), [], set[str]()
     bodies = {part: tuple(sorted(filter(matching.is_body, part))) for part in matching.components()}
     waiting = sorted(bodies, key=lambda part: (len(bodies[part]) not in ORDINARY, bodies[part]))
@@ -70,7 +70,7 @@ def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) 
     return Division(tuple(filter(None, groups)), tuple(sorted(locked)), tuple(sorted(filter(matching.is_body, loose))))
 
 
-class _Matching:
+class Matching:
     """As many equations as can be, each of a body or pin that it determines, which has an unknown for it."""
 
     def __init__(self, sizes: Mapping[str, int], equations: Sequence[Equation]) -> None:

@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest
 from comparisons.trials.campaign.results import Results, document
-from comparisons.trials.invariants.checks import NEEDED_CHANNELS as INVARIANTS
+from comparisons.trials.invariants.checks import INVARIANTS
 from comparisons.trials.judging.limits import judge
 from comparisons.trials.judging.quantities import QUANTITIES, Deviation, near_jumps
 from comparisons.trials.judging.records import Error, Run, Verdict, run_of

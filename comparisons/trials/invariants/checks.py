@@ -25,7 +25,7 @@ loads are those of ``engines.mechanics``, shared with ``direct``: no formula is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -259,74 +259,118 @@ def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
     return replace(motion, history=History(position=half(position), velocity=half(velocity), joint_force=forces))
 
 
-UNITS: Mapping[str, str] = {
-    **dict.fromkeys(("closure", "assembly_mode", "force_balance"), ""),
-    "weight_on_frame": "N",
-    "joint_gap": "m",
-    "crank_phase": "rad",
-    "energy_balance": "J",
-    "torque_two_routes": "N m",
+Found = tuple[Signal | Balance, float, int]  # what should be zero, over what scale, and the samples that it might have
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """What an invariant ``needs`` of a history, the ``unit`` of its scale, and how it is ``found``.
+
+    ``is_balance``: of masses and loads, so that without them it says nothing, and friction is no part of it.
+    """
+
+    needs: tuple[Channel, ...]
+    found: Callable[[Case, Inspection], Found]
+    unit: str = ""
+    linear_unit: str = ""  # of a driver that is pushed, if another
+    is_balance: bool = False
+
+    @property
+    def of_forces(self) -> bool:
+        """Whether it needs the force of every joint."""
+        return Channel.JOINT_FORCE in self.needs
+
+
+def _samples(inspection: Inspection, channel: Channel = Channel.POSITION) -> int:
+    return len(inspection.motion.signal(channel).time)
+
+
+def _joint_gap(case: Case, inspection: Inspection) -> Found:
+    return joint_gaps(inspection.motion), case.mechanism.linkage.shortest_length(), _samples(inspection)
+
+
+def _closure(case: Case, inspection: Inspection) -> Found:
+    """The corrections of all levels one after the other, and how many there were before any was left out."""
+    levels = closure(inspection)
+    count = sum(len(signal.time) for signal in levels.values())
+    levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
+    signals = [_without_change_points(inspection, signal) for signal in levels.values()]
+    time, values = (np.concatenate([getattr(signal, part) for signal in signals]) for part in ("time", "values"))
+    return Signal(time, values), 1.0, count
+
+
+def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
+    motion, bridged = inspection.motion, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps)
+    required = _without_jumps(case, bridged)
+    routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
+    return routes, _torque_scale(case, motion), _samples(inspection, Channel.ACCELERATION)
+
+
+def _force_balance(case: Case, inspection: Inspection) -> Found:
+    return _without_jumps(case, inspection.force_balance()), 1.0, _samples(inspection, Channel.ACCELERATION)
+
+
+# The joints' equations are looked at level by level.
+INVARIANTS: Mapping[str, Invariant] = {
+    "joint_gap": Invariant(LEVELS[:1], _joint_gap, "m"),
+    "closure": Invariant(LEVELS, _closure),
+    "assembly_mode": Invariant(LEVELS[:1], lambda _, seen: (seen.assembly_mode(), 1.0, _samples(seen))),
+    "crank_phase": Invariant(
+        LEVELS[:2], lambda _, seen: (crank_phase(seen), seen.radian, _samples(seen)), "rad", linear_unit="m"
+    ),
+    "energy_balance": Invariant(
+        (*LEVELS[:2], Channel.TORQUE),
+        lambda _, seen: (energy_balance(seen), energy_scale(seen.motion), _samples(seen, Channel.TORQUE)),
+        "J",
+        is_balance=True,
+    ),
+    "torque_two_routes": Invariant(
+        (*LEVELS, Channel.TORQUE), _torque_two_routes, "N m", linear_unit="N", is_balance=True
+    ),
+    "force_balance": Invariant((*LEVELS, Channel.JOINT_FORCE), _force_balance, is_balance=True),
+    "weight_on_frame": Invariant(
+        (*LEVELS[:2], Channel.JOINT_FORCE),
+        lambda _, seen: (weight_on_frame(seen), total_weight(seen.motion), 1),
+        "N",
+    ),
 }
-LINEAR_UNITS: Mapping[str, str] = {"crank_phase": "m", "torque_two_routes": "N"}  # of a driver that is pushed
-# Those that are shares of something, or angles, at every sample of the position.
-SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
-    "assembly_mode": Inspection.assembly_mode,
-    "crank_phase": crank_phase,
-}
-# Those that add up over time: over what scale, and what is added.
-SUMS: Mapping[str, tuple[Callable[[ObservedMotion], float], Callable[[Inspection], Balance]]] = {
-    "energy_balance": (energy_scale, energy_balance),
-    "weight_on_frame": (total_weight, weight_on_frame),
-}
-BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
     """One record per invariant; one that needs a channel the engine has not recorded says so."""
-    return tuple(each_check(case, motion, blank))
+    return tuple(_each_check(case, motion, blank))
 
 
-# What each invariant is made of: the joints' equations are looked at level by level.
-NEEDED_CHANNELS: Mapping[str, tuple[Channel, ...]] = {
-    "joint_gap": LEVELS[:1],
-    "closure": LEVELS,
-    "assembly_mode": LEVELS[:1],
-    "crank_phase": LEVELS[:2],
-    "energy_balance": (*LEVELS[:2], Channel.TORQUE),
-    "torque_two_routes": (*LEVELS, Channel.TORQUE),
-    "force_balance": (*LEVELS, Channel.JOINT_FORCE),
-    "weight_on_frame": (*LEVELS[:2], Channel.JOINT_FORCE),
-}
-OF_FORCES = frozenset(("force_balance", "weight_on_frame"))
-
-
-def each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
+def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
     """The records of ``checks`` one by one."""
     inspection = Inspection(motion, change_points(case))
     weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
-    for name, needed in NEEDED_CHANNELS.items():
-        if name in OF_FORCES and Channel.JOINT_FORCE not in motion.scene.channels:
+    for name, invariant in INVARIANTS.items():
+        if invariant.of_forces and Channel.JOINT_FORCE not in motion.scene.channels:
             continue
         if name == "weight_on_frame" and not weighs:
             continue
-        lacking = _missing_channels(motion, name, needed)
-        unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
+        lacking = _missing_channels(motion, invariant)
+        unit = (invariant.linear_unit if motion.is_linear else "") or invariant.unit
         record = blank._replace(quantity=name, unit=unit)
         if lacking:
             yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
-        elif name in OF_FORCES and case.unbounded_at is not None:
+        elif invariant.of_forces and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name == "weight_on_frame" and _is_switched(motion.scene):
             yield _undefined(record, "a load that acts one way alone jumps between samples: no mean is exact")
-        elif name in BALANCES | OF_FORCES and motion.scene.friction:
+        elif (invariant.is_balance or invariant.of_forces) and motion.scene.friction:
             yield _undefined(record, "friction by the joints' own forces is no part of the balance")
-        elif name in BALANCES and case.mechanism.linkage.is_idle:
+        elif invariant.is_balance and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
-            yield _invariant_record(
-                case, inspection, record._replace(origin=blank.origin or motion.origin(needed).value)
-            )
+            record = record._replace(origin=blank.origin or motion.origin(invariant.needs).value)
+            found, scale, total = invariant.found(case, inspection)
+            if isinstance(found, Balance):
+                yield _judge_balance(case, record._replace(peak=scale), found)
+            else:
+                yield _judge_signal(record, found, scale, total)
 
 
 def _is_switched(scene: Scene) -> bool:
@@ -345,45 +389,13 @@ def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
     return groups
 
 
-def _missing_channels(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
-    lacking = [channel.value for channel in needed if not motion.has(channel)]
-    if name in OF_FORCES and not lacking:
+def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
+    lacking = [channel.value for channel in invariant.needs if not motion.has(channel)]
+    if invariant.of_forces and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
         if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
             return "direction of joint forces"
     return ", ".join(lacking)
-
-
-def _invariant_record(case: Case, inspection: Inspection, record: Error) -> Error:
-    """The record of one invariant whose channels are there."""
-    motion, samples = inspection.motion, len(inspection.motion.signal(Channel.POSITION).time)
-    if record.quantity in SUMS:
-        scale, balance = SUMS[record.quantity]
-        return _judge_balance(case, record._replace(peak=scale(motion)), balance(inspection))
-    if record.quantity == "closure":
-        signal, count = _closure_signal(case, inspection)
-        return _judge_signal(record, signal, 1.0, count)
-    if record.quantity == "joint_gap":
-        return _judge_signal(record, joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
-    if record.quantity in SHARES:
-        whole = inspection.radian if record.quantity == "crank_phase" else 1.0
-        return _judge_signal(record, SHARES[record.quantity](inspection), whole, samples)
-    samples = len(motion.signal(Channel.ACCELERATION).time)
-    if record.quantity == "force_balance":
-        return _judge_signal(record, _without_jumps(case, inspection.force_balance()), 1.0, samples)
-    required = _without_jumps(case, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps))
-    routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
-    return _judge_signal(record, routes, _torque_scale(case, motion), samples)
-
-
-def _closure_signal(case: Case, inspection: Inspection) -> tuple[Signal, int]:
-    """The corrections of all levels one after the other, and how many there were before any was left out."""
-    levels = closure(inspection)
-    count = sum(len(signal.time) for signal in levels.values())
-    levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
-    signals = [_without_change_points(inspection, signal) for signal in levels.values()]
-    time, values = (np.concatenate([getattr(signal, part) for signal in signals]) for part in ("time", "values"))
-    return Signal(time, values), count
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:

@@ -16,10 +16,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 from analytic.description.linkage import GROUND, Vector
+from analytic.kinematics.decomposition import Matching
 from comparisons.trials.observed_motion import POINTS, ObservedMotion
 from engines.mechanics.joints import Arms, JointEquations, applied_loads
 from engines.mechanics.states import Numbers, Pose, Reals, pose_of
@@ -63,40 +62,34 @@ class AssurGroups:
         others. What depends on itself in a circle is placed together. Where the equations do not give all coordinates,
         all bodies are one group.
         """
-        names, links = [name for name in self.equations.index if name not in placed], self._links(placed)
-        nodes = [*names, *dict.fromkeys(node for link in links for node in link if node not in names)]
-        ties = np.array([[node in link for node in nodes] for link in links])
-        counts = [len(self._columns((node,))) if isinstance(node, str) else 2 for node in nodes]
-        owner = np.repeat(np.arange(len(nodes)), counts)
-        row = maximum_bipartite_matching(csr_array(ties[:, owner]), perm_type="row") if links else np.zeros(0)
-        if len(row) != len(owner) or np.any(row < 0):
+        names, ties = [name for name in self.equations.index if name not in placed], self._ties(placed)
+        sizes = dict.fromkeys((node for tie in ties for node in tie), 2)  # of a point
+        matching = Matching(sizes | {name: len(self._columns((name,))) for name in names}, ties)
+        if matching.locked or matching.loose():
             return [tuple(names)]
-        needs = np.zeros((len(nodes), len(nodes)), dtype=bool)
-        np.logical_or.at(needs, owner, ties[row])
-        _, labels = connected_components(csr_array(needs), connection="strong")
-        groups, done = [], np.zeros(len(nodes), dtype=bool)
-        while not done.all():
-            parts = (labels == label for label in dict.fromkeys(labels[~done]))
-            ready = next(part for part in parts if not needs[part][:, ~done & ~part].any())
-            done |= ready
-            groups.append(tuple(name for name, is_in in zip(names, ready, strict=False) if is_in))
+        waiting, groups, done = matching.components(), list[tuple[str, ...]](), set[str]()
+        while part := next((part for part in waiting if matching.needs(part) <= done | part), None):
+            waiting.remove(part)
+            done |= part
+            groups.append(tuple(name for name in names if name in part))
         return [group for group in groups if group]
 
-    def _links(self, placed: set[str]) -> list[set[str | int]]:
-        """What every equation ties together: bodies that are not placed, and points of pins by their number.
+    def _ties(self, placed: set[str]) -> list[tuple[str, ...]]:
+        """What every equation ties together: bodies that are not placed, and points of pins.
 
         All placed bodies on a pin are one, as they do not place each other.
         """
-        links: list[set[str | int]] = []
+        ties: list[tuple[str, ...]] = []
         for number, ends in enumerate(self._pins):
             bodies = {body if body not in placed else "" for body, _ in ends}
             if bodies != {""}:
-                links += [{number} | ({body} - {""}) for body in sorted(bodies) for _ in range(2)]
+                point = f"point {number}"
+                ties += [(point, *filter(None, [body])) for body in sorted(bodies) for _ in range(2)]
         names = {number: name for name, number in self.equations.index.items() if name not in placed}
         for _, first, second in self._constraints():
-            tied: set[str | int] = {names[end] for end in (first, second) if end in names}
-            links += [tied] if tied else []
-        return links
+            tied = tuple(names[end] for end in (first, second) if end in names)
+            ties += [tied] if tied else []
+        return ties
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
         """Equations of the joints of these bodies with each other and with placed bodies."""

@@ -212,7 +212,8 @@ def _serve(wire: socket.socket, place: str) -> None:
     _prepare(output)
     while wire.recv(1):
         wire.send(_LOOK)
-        done = _run_job(*pickle.loads(path.with_suffix(".job").read_bytes()), output)
+        function, job, memory = pickle.loads(path.with_suffix(".job").read_bytes())
+        done = _run_job(function, job, memory, output)
         path.with_suffix(".part").write_bytes(done)
         path.with_suffix(".part").replace(answer)
         wire.send(_LOOK)

@@ -13,8 +13,7 @@ from analytic.description.schema import EyeReference
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
-from comparisons.trials.invariants.checks import NEEDED_CHANNELS as INVARIANTS
-from comparisons.trials.invariants.checks import checks
+from comparisons.trials.invariants.checks import INVARIANTS, checks
 from comparisons.trials.judging.limits import (
     USER_REASON,
     Limit,
