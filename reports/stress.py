@@ -11,8 +11,7 @@ from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.records import Error
 from comparisons.trials.runs.files import STORE
 from comparisons.trials.stress.campaign import Border, Line, Stress
-from comparisons.trials.stress.cells import axes
-from comparisons.trials.stress.verdict import Cell, StressVerdict
+from comparisons.trials.stress.cells import Cell, StressVerdict, axes
 from reports.document.numbers import ABSENT, bound, error, printed, seconds
 from reports.document.parts import (
     TABLES,

@@ -21,7 +21,7 @@ from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.run_engine import Failure
 from comparisons.trials.stress import campaign as stress_test
 from comparisons.trials.stress.campaign import Stress
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import StressVerdict
 from comparisons.trials.work_precision import table as work_precision
 from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
 from comparisons.trials.work_precision.table import Bench

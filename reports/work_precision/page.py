@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.runs.files import STORE
-from comparisons.trials.work_precision.fronts import (
+from comparisons.trials.work_precision.table import (
     LARGE_OVERHEAD,
     PLACE,
     WANTED,
+    Bench,
     Regimes,
     Row,
     by_regime,
@@ -27,7 +28,6 @@ from comparisons.trials.work_precision.fronts import (
     standings,
     sweeps,
 )
-from comparisons.trials.work_precision.table import Bench
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
     Bullets,

@@ -7,9 +7,10 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from comparisons.trials.judging.limits import grouped
-from comparisons.trials.work_precision.fronts import (
+from comparisons.trials.work_precision.table import (
     SATURATED,
     WANTED,
+    Bench,
     Regimes,
     Row,
     Standing,
@@ -23,7 +24,6 @@ from comparisons.trials.work_precision.fronts import (
     standings,
     sweeps,
 )
-from comparisons.trials.work_precision.table import Bench
 from engines.contract import Setting
 from reports.document.numbers import ABSENT, bound, error, figure, seconds
 from reports.document.parts import Paragraph, Table

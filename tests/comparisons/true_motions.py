@@ -8,7 +8,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import reactions
 from comparisons.motion.case import Case
 from comparisons.trials.observed_motion import ObservedMotion
-from comparisons.trials.stress.verdict import Cell, judged
+from comparisons.trials.stress.cells import Cell, judged
 from engines.contract import History, Outcome, Run, Signal
 from engines.mujoco_adapter import MujocoEngine
 from engines.scene import Channel, Free

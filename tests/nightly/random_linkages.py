@@ -20,7 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.runs.run_engine import Bounds, Lost, run_engine
 from comparisons.trials.runs.workers import LocalPool
-from comparisons.trials.stress.verdict import Cell, StressVerdict, judged
+from comparisons.trials.stress.cells import Cell, StressVerdict, judged
 from engines.contract import Setting
 from engines.registry import engine
 from engines.scene import Channel

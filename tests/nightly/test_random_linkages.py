@@ -2,7 +2,7 @@
 
 import pytest
 
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import StressVerdict
 from engines.registry import engine, own_names
 from tests.nightly.random_linkages import draw, tallies
 

@@ -1,7 +1,6 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
-from comparisons.trials.work_precision.fronts import judged
-from comparisons.trials.work_precision.table import Bench
+from comparisons.trials.work_precision.table import Bench, judged
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 

@@ -1,8 +1,7 @@
 """A finished stress test of engines that do not exist, with every verdict in it, for tests of its page and tables."""
 
 from comparisons.trials.stress.campaign import Stress
-from comparisons.trials.stress.cells import axes
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import StressVerdict, axes
 from tests.comparisons.true_motions import cell
 
 SETTINGS = ("naive", "tuned", "best")

@@ -20,8 +20,7 @@ from comparisons.trials.runs.run_engine import GIB, Bounds
 from comparisons.trials.runs.store import Runs, load_study, save_study, store_errors
 from comparisons.trials.runs.study import Announce, Study, Task
 from comparisons.trials.runs.workers import EVERY_CORE, Pool
-from comparisons.trials.stress.cells import axes, cell_at, lost, run_cell
-from comparisons.trials.stress.verdict import Cell, StressVerdict
+from comparisons.trials.stress.cells import Cell, StressVerdict, axes, cell_at, lost, run_cell
 
 PRECISE: Final = 1.1  # ratio of the two values that bracket a border
 COARSE: Final = 3.0

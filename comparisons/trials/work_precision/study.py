@@ -25,9 +25,8 @@ from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
 from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.study import Announce, Study, Task
 from comparisons.trials.runs.workers import ONE_BY_ONE, Pool
-from comparisons.trials.work_precision.fronts import judged, still_improves
 from comparisons.trials.work_precision.measure import longest_step, measure
-from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, judged, still_improves
 from engines.contract import Method, Outcome, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel

@@ -1,20 +1,29 @@
-"""The runs of a benchmark, one to a point, as a table; saved and read back."""
+"""The runs of a benchmark, one to a point, as a table, and the questions to it; saved and read back.
+
+Questions are orders, least errors, fronts, the point to choose, and the settings' standing. Times are those of set-up
+and stepping, each the shortest of the repeats: a method that steps fast because it builds for long is not cheap.
+``points`` are rows of one engine in one quantity of a mechanism and regime, a sweep one method's.
+"""
 
 from __future__ import annotations
 
+import math
 import statistics
+from collections import defaultdict, namedtuple
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from comparisons.trials.judging.records import Run, Verdict
 from comparisons.trials.runs.store import load_study, save_study
-from engines.contract import Outcome
+from engines.contract import Outcome, Setting
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -155,3 +164,257 @@ def save(folder: Path, bench: Bench) -> None:
 def load(folder: Path) -> Bench:
     """Read a benchmark back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
     return Bench(*load_study(folder, KIND, FORM, BenchRun.from_row))
+
+
+Array = NDArray[np.float64]
+
+# The order is fitted to errors below the first bound (no solution) and above the second (no step error).
+SATURATED = 0.3
+ABOVE_FLOOR = 3.0
+# Local slopes that differ from the order by less than this are the same slope, seen through scatter.
+SLOPE_SHARE, SLOPE_ROOM = 0.25, 0.3
+LEAST_POINTS, LEAST_ORDER, LEAST_DROP = 3, 0.4, 3.0
+# A refinement that takes less than this factor off no longer improves.
+LEAST_GAIN = 1.5
+# Largest errors, over the peak, that somebody may want.
+WANTED = tuple(10.0**-k for k in range(2, 9))
+
+
+def is_falling(errors: Sequence[float]) -> bool:
+    """Whether the finest step has the least error, smaller by more than scatter than that of the step before."""
+    if len(errors) < 2 or int(np.argmin(errors)) < len(errors) - 1 or errors[-1] <= 0.0:
+        return False
+    return errors[-2] / errors[-1] >= LEAST_GAIN
+
+
+def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | None:
+    """Slope of log error over log step where it is steady; None unless three points agree on it.
+
+    The longest run of refinements counts, of equal ones the finest, whose local slopes agree with their own Theil-Sen
+    slope, which an outlier does not move. Points at the floor or past it, and those so wrong that they are no solution,
+    are left out.
+    """
+    best, log_steps = int(np.argmin(errors)), np.log(np.asarray(steps, dtype=float))
+    log_errors = np.log(np.maximum(np.asarray(errors, dtype=float), np.finfo(float).tiny))
+    lowest = log_errors[best] + (0.0 if is_falling(errors) else math.log(ABOVE_FLOOR))
+    usable = [k for k in range(best + 1) if lowest <= log_errors[k] <= math.log(SATURATED)]
+    windows: list[tuple[int, int, float]] = []
+    for first in range(len(usable)):
+        for end in range(first + LEAST_POINTS, len(usable) + 1):
+            window = usable[first:end]
+            slope = _steady_slope(log_steps[window], log_errors[window])
+            windows += [(len(window), window[-1], slope)] if slope is not None else []
+    return max(windows)[2] if windows else None
+
+
+def theil_sen(x: Array, y: Array) -> float:
+    """Median of the slopes between all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
+
+    SciPy's also works out a confidence interval, which costs ten times as much and is not wanted here.
+    """
+    first, second = np.triu_indices(len(x), 1)
+    return float(np.median((y[second] - y[first]) / (x[second] - x[first])))
+
+
+def _steady_slope(steps: Array, errors: Array) -> float | None:
+    """The slope of a window whose every refinement has that slope, near enough."""
+    slope = theil_sen(steps, errors)
+    local = np.diff(errors) / np.diff(steps)
+    steady = bool(np.all(np.abs(local - slope) <= SLOPE_SHARE * abs(slope) + SLOPE_ROOM))
+    return slope if steady and slope >= LEAST_ORDER and errors[0] - errors[-1] >= math.log(LEAST_DROP) else None
+
+
+def still_improves(errors: Sequence[float]) -> bool:
+    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
+    return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
+
+
+def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
+    """Which of the points (n,) no other beats, that is, is at most as dear and as wrong, and less in one of the two."""
+    order = np.lexsort((errors, costs))
+    unbeaten = np.zeros(len(costs), dtype=bool)
+    least, at = math.inf, math.nan
+    for k in order:
+        # Sorted by cost, then error: only a smaller error, or a twin of the last point on the front, is not beaten.
+        if errors[k] < least or (errors[k] == least and costs[k] == at):
+            unbeaten[k] = True
+            least, at = errors[k], costs[k]
+    return unbeaten
+
+
+def sustained(errors: Sequence[float], limit: float) -> int | None:
+    """Place of the coarsest step from which on every finer one, down to the smallest error, is at or below ``limit``.
+
+    A coarse step can be right by accident; one that the next finer step contradicts is not to be relied on. None where
+    the error is never reached.
+    """
+    place = int(np.argmin(errors))
+    if errors[place] > limit:
+        return None
+    while place > 0 and errors[place - 1] <= limit:
+        place -= 1
+    return place
+
+
+def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> float | None:
+    """The cost at which the error of a sweep, coarse to fine, falls to ``limit``, by logarithms between two points.
+
+    None where it never gets there.
+    """
+    place = sustained(errors, limit)
+    if place is None:
+        return None
+    if place == 0 or errors[place] <= 0.0:
+        return float(costs[place])
+    above, below = math.log(errors[place - 1] / limit), math.log(limit / errors[place])
+    share = above / (above + below)
+    return math.exp((1.0 - share) * math.log(costs[place - 1]) + share * math.log(costs[place]))
+
+
+LARGE_OVERHEAD = 0.3  # of the stepping: a larger share of work that is not the engine's is named
+Row = Any  # of a table: a named tuple
+PLACE = ["mechanism", "variant", "regime"]
+FOREMOST = ("Mkr", "phi")  # the quantity by which a place is judged unless the user names others: the first that it has
+
+
+def rows(points: DataFrame) -> list[Row]:
+    """The rows of a table, whose columns are their names; ``DataFrame.itertuples`` takes ten times as long."""
+    row = _row_type(tuple(points.columns))
+    return [row._make(values) for values in points.to_numpy(dtype=object).tolist()]
+
+
+@cache
+def _row_type(columns: tuple[str, ...]) -> Row:
+    return namedtuple("Row", columns)
+
+
+def sweeps(points: DataFrame) -> list[DataFrame]:
+    """The sweep of every method: its points that finished, coarse to fine."""
+    methods = points[points.finished & (points.kind == METHOD)]
+    groups = methods.groupby([*PLACE, "quantity", "engine", "setting"], sort=False)
+    return [sweep.sort_values("step", ascending=False, kind="stable") for _, sweep in groups]
+
+
+def least(points: DataFrame) -> Row:
+    """The point of the smallest error."""
+    return min(rows(points), key=lambda row: row.error_max)
+
+
+def has_floor(sweep: DataFrame) -> bool:
+    """Whether finer steps do not lower the least error."""
+    return len(sweep) > 1 and not is_falling(list(sweep.error_max))
+
+
+def front(points: DataFrame) -> DataFrame:
+    """The points that no other beats in both time and error, by time."""
+    done = points[points.finished]
+    unbeaten = pareto(done.total_seconds.to_list(), done.error_max.to_list())
+    return done[unbeaten].sort_values("total_seconds", kind="stable")
+
+
+def judged(bench: Bench) -> Bench:
+    """The points with their orders, and the quantities in which they are on their engine's front, filled in."""
+    orders, fronts = defaultdict[str, dict[str, float]](dict), defaultdict[str, list[str]](list)
+    for sweep in sweeps(bench.table):
+        order = observed_order(list(sweep.step), list(sweep.error_max))
+        if order is not None:
+            for row in rows(sweep):
+                orders[row.key][row.quantity] = order
+    for _, points in bench.table.groupby([*PLACE, "quantity", "engine", "is_extrapolated"], sort=False):
+        for row in rows(front(points)):
+            fronts[row.key].append(row.quantity)
+    runs = (replace(run, orders=orders[run.key], fronts=tuple(fronts[run.key])) for run in bench.points)
+    return Bench(bench.document, tuple(runs))
+
+
+def choices(points: DataFrame) -> list[Row | None]:
+    """The cheapest point at or below every error of ``WANTED``; None where the engine never gets there.
+
+    A point of a sweep counts if the finer ones, down to the sweep's least error, hold the error too.
+    """
+    done = points[points.finished]
+    settings = rows(done[done.kind == SETTING])
+    methods = [rows(sweep) for sweep in sweeps(done)]
+    found = []
+    for limit in WANTED:
+        reaching = [row for row in settings if row.error_max <= limit]
+        for method in methods:
+            at = sustained([row.error_max for row in method], limit)
+            reaching += [] if at is None else [method[at]]
+        found.append(min(reaching, key=lambda row: row.total_seconds, default=None))
+    return found
+
+
+class Standing(NamedTuple):
+    """A setting against the methods' front: ``rival`` is the cheapest method's point behind ``rival_seconds``.
+
+    ``best`` is compared with all methods, every other setting with those of a single run. Both are None where no
+    method gets to the setting's error.
+    """
+
+    record: Row
+    rival: Row | None = None
+    rival_seconds: float | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Time of the setting over the cheapest method's at the same error; below one it is ahead of every method."""
+        return None if self.rival_seconds is None else self.record.total_seconds / self.rival_seconds
+
+
+def standings(points: DataFrame) -> list[Standing]:
+    """How far off the methods' front each setting is; none of the control."""
+    done = points[points.finished & ~points.is_control]
+    methods = [rows(sweep) for sweep in sweeps(done)]
+    found = []
+    for row in rows(done[done.kind == SETTING]):
+        met = []
+        for method in methods:
+            errors = [rival.error_max for rival in method]
+            cost = price([rival.total_seconds for rival in method], errors, row.error_max)
+            at = sustained(errors, row.error_max)
+            if cost is not None and at is not None and (row.setting == Setting.BEST or not method[0].is_extrapolated):
+                met.append(Standing(row, method[at], cost))
+        found.append(min(met, key=lambda standing: standing.rival_seconds or 0.0, default=Standing(row)))
+    return found
+
+
+def large_overheads(bench: Bench) -> list[Row]:
+    """Of every engine and setting the point with the largest overhead, where that is over ``LARGE_OVERHEAD``."""
+    large = bench.table[bench.table.overhead.astype(float) > LARGE_OVERHEAD]
+    worst = large.sort_values("overhead", ascending=False, kind="stable").drop_duplicates(["engine", "setting"])
+    return rows(worst)
+
+
+Regimes: TypeAlias = "Mapping[str, Sequence[DataFrame]]"
+
+
+def by_regime(bench: Bench) -> Regimes:
+    """The places of each regime, a mechanism's rows each, where something finished, in the order measured."""
+    regimes: dict[str, list[DataFrame]] = {}
+    for place in places(bench):
+        if place.finished.any():
+            regimes.setdefault(place.regime.iloc[0], []).append(place)
+    return regimes
+
+
+def places(bench: Bench) -> list[DataFrame]:
+    """The rows of every mechanism and regime, in the order measured."""
+    return [place for _, place in bench.table.groupby(PLACE, sort=False)]
+
+
+def quantities(place: DataFrame) -> list[str]:
+    """Quantities that were measured in a place, in the requested order."""
+    return list(place.quantity[place.finished].unique())
+
+
+def foremost(place: DataFrame) -> str:
+    """The quantity by which a place is judged; where nothing finished, the first requested."""
+    names = quantities(place) or [place.quantity.iloc[0]]
+    return next((name for name in FOREMOST if name in names), names[0])
+
+
+def engines(place: DataFrame, quantity: str = "") -> list[DataFrame]:
+    """Every engine's rows in a quantity of a place, the foremost by default; the control's last."""
+    mine = place[place.quantity == (quantity or foremost(place))]
+    return sorted((points for _, points in mine.groupby("engine", sort=False)), key=lambda rows: rows.is_control.any())

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import StressVerdict
 from reports.document import html
 from reports.document.terminal import rendered
 from reports.stress import (

@@ -8,8 +8,7 @@ from analytic.errors import LinkproofError
 from comparisons.trials.judging.changes import Change, ChangeKind
 from comparisons.trials.judging.records import Error
 from comparisons.trials.stress.campaign import Stress
-from comparisons.trials.stress.cells import find_cell
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import StressVerdict, find_cell
 from reports.studies.trials import Benchmark, StabilityMaps, campaign_exit_code
 from tests.comparisons.bench_rows import bench_of, row
 

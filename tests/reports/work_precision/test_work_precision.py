@@ -4,8 +4,7 @@ import re
 
 import pytest
 
-from comparisons.trials.work_precision.fronts import by_regime, engines, places, standings
-from comparisons.trials.work_precision.table import Bench, load, save
+from comparisons.trials.work_precision.table import Bench, by_regime, engines, load, places, save, standings
 from reports.document import html
 from reports.document.terminal import rendered
 from reports.work_precision.page import page, verdicts

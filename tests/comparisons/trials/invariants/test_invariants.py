@@ -28,8 +28,7 @@ from comparisons.trials.invariants.inspection import Inspection
 from comparisons.trials.judging.limits import limit
 from comparisons.trials.judging.records import Verdict, run_of
 from comparisons.trials.observed_motion import ObservedMotion
-from comparisons.trials.stress.cells import Conditions, case, reversal
-from comparisons.trials.stress.verdict import StressVerdict
+from comparisons.trials.stress.cells import Conditions, StressVerdict, case, reversal
 from engines.contract import Signal
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import pose_of, with_ground

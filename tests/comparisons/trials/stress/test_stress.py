@@ -29,7 +29,10 @@ from comparisons.trials.stress import cells as stress
 from comparisons.trials.stress.campaign import KIND, PRECISE, SMALLEST, borders, make_cells, save
 from comparisons.trials.stress.cells import (
     RELEASED,
+    WRONG,
+    Cell,
     Conditions,
+    StressVerdict,
     axes,
     case,
     cell_at,
@@ -38,8 +41,8 @@ from comparisons.trials.stress.cells import (
     lost,
     run_cell,
     scene,
+    wrong_signals,
 )
-from comparisons.trials.stress.verdict import WRONG, Cell, StressVerdict, wrong_signals
 from engines.contract import Abilities, Method, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit

@@ -21,7 +21,6 @@ from comparisons.trials.runs.store import begin
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.work_precision import measure as point
 from comparisons.trials.work_precision import study as benchmark
-from comparisons.trials.work_precision.fronts import has_floor, sweeps
 from comparisons.trials.work_precision.measure import chosen_families, measure
 from comparisons.trials.work_precision.study import (
     FEWEST,
@@ -35,7 +34,7 @@ from comparisons.trials.work_precision.study import (
     blank_run,
     planned_sweeps,
 )
-from comparisons.trials.work_precision.table import SETTING
+from comparisons.trials.work_precision.table import SETTING, has_floor, sweeps
 from engines.contract import Abilities, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel

@@ -8,23 +8,26 @@ from scipy.stats import theilslopes
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.store import save_study
-from comparisons.trials.work_precision.fronts import (
+from comparisons.trials.work_precision.table import (
+    KIND,
     WANTED,
+    Bench,
     choices,
     has_floor,
     is_falling,
     judged,
     least,
+    load,
     observed_order,
     pareto,
     price,
+    save,
     standings,
     still_improves,
     sustained,
     sweeps,
     theil_sen,
 )
-from comparisons.trials.work_precision.table import KIND, Bench, load, save
 from tests.comparisons.bench_rows import bench_of, points, row, setting_row, sweep_rows
 
 STEPS = [0.1 / 2**k for k in range(12)]
