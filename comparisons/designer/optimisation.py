@@ -303,7 +303,7 @@ def _feasible_end(problem: DesignProblem, result: Search) -> End:
     best = result.best
     if best is None:
         raise LinkproofError(
-            f"expected designs that can be assembled at every angle, got none of {result.counter.sampled + 1} within "
+            f"expected designs that can be assembled at every angle, got none of {result.sampled + 1} within "
             "the bounds; choose others"
         )
     if best.is_feasible:

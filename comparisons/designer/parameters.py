@@ -37,12 +37,10 @@ TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE]
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
+class Named:
+    """A number of a linkage or of its designs by its name, with the unit that the linkage's file has for it."""
 
     name: str
-    kind: Kind
-    value: float
     unit: FileUnit
 
     @property
@@ -76,12 +74,23 @@ class Parameter:
 
     def _unit_size(self, unit: str) -> float:
         """Size in SI of a unit that is typed; raises LinkproofError for one that does not measure this."""
+        if unit != self.unit.name:
+            raise LinkproofError(
+                f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
+            )
+        return self.unit.size
+
+
+@dataclass(frozen=True)
+class Parameter(Named):
+    """A number of the file (``analytic.description.changes``) and its SI value."""
+
+    kind: Kind
+    value: float
+
+    def _unit_size(self, unit: str) -> float:
         if self.kind not in UNITS:
-            if unit != self.unit.name:
-                raise LinkproofError(
-                    f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
-                )
-            return self.unit.size
+            return super()._unit_size(unit)
         try:
             return factor(self.kind, unit)
         except UnknownNameError as error:
@@ -91,13 +100,13 @@ class Parameter:
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number of a linkage that its designs may differ in, by name."""
     numbers = design_numbers(linkage).items()
-    return {name: Parameter(name, kind, value, kind_unit(kind, linkage.units)) for name, (kind, value) in numbers}
+    return {name: Parameter(name, kind_unit(kind, linkage.units), kind, value) for name, (kind, value) in numbers}
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
     """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
     if name == SPEED:
-        return Parameter(SPEED, Kind.SPEED, abs(speed), speed_unit(linkage))
+        return Parameter(SPEED, speed_unit(linkage), Kind.SPEED, abs(speed))
     known = parameters(linkage)
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
@@ -153,17 +162,10 @@ def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
 
 
 @dataclass(frozen=True)
-class NamedFigure:
-    """A figure of a design by its name, with the unit of the file."""
+class NamedFigure(Named):
+    """A figure of a design."""
 
-    name: str
     figure: Figure
-    unit: FileUnit
-
-    @property
-    def shown(self) -> str:
-        """The name with the unit, as tables are headed."""
-        return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
 
 
 def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
@@ -174,7 +176,7 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
     figures = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
     linkage = mechanism.linkage
     return tuple(
-        NamedFigure(name, figure, file_unit(unit(figure.signal, linkage), linkage)) for name, figure in figures.items()
+        NamedFigure(name, file_unit(unit(figure.signal, linkage), linkage), figure) for name, figure in figures.items()
     )
 
 

@@ -400,7 +400,8 @@ def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Cons
     if text is None:
         return Constraint(figure, file_value, file_value)
     ends = text.split(":")
-    numbers = [_read_bound(figure, end, open_end) for end, open_end in zip(ends, (-math.inf, math.inf), strict=False)]
+    open_ends = zip(ends, (-math.inf, math.inf), strict=False)
+    numbers = [figure.si(end) if end.strip() else open_end for end, open_end in open_ends]
     low, high = numbers * 2 if len(ends) == 1 else numbers[:2] if len(ends) == 2 else (math.nan, math.nan)
     if len(ends) == 1 and not text.strip():
         low = math.nan
@@ -409,18 +410,4 @@ def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Cons
             f"--keep {figure.name}: expected LOW:HIGH, LOW:, :HIGH or a value, got '{text}'; correct it, "
             "or give the name alone to keep what the file has"
         )
-    return Constraint(figure, low * figure.unit.size, high * figure.unit.size)
-
-
-def _read_bound(figure: NamedFigure, text: str, open_end: float) -> float:
-    """A bound of a constraint in the file's unit, ``open_end`` where nothing is typed; raises LinkproofError."""
-    if not text.strip():
-        return open_end
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        unit = f" of {figure.unit.name}" if figure.unit.name else ""
-        raise LinkproofError(f"--keep {figure.name}: expected finite numbers{unit}, got '{text}'; correct it")
-    return number
+    return Constraint(figure, low, high)

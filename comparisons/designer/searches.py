@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -24,15 +24,6 @@ APART: Final = 1e-6  # shares of the aim by which two ends are different
 OUT_OF_REACH: Final = 10.0  # penalty, scaled, of a design that cannot be assembled
 ACTIVE: Final = 1e-7
 INDEPENDENT: Final = 1e-9  # scaled slope from which a constrained figure depends on the variables
-
-
-@dataclass
-class Counter:
-    """How many designs a search has evaluated: with derivatives, and sampled."""
-
-    gradients: int = 0
-    sampled: int = 0
-    beyond: int = 0  # of those with derivatives, how many could not be assembled
 
 
 @dataclass(frozen=True)
@@ -56,10 +47,14 @@ class End:
 
 @dataclass
 class Descent:
-    """Local search with SLSQP in rounds, each with the local maxima of its start; ends when no round lowers the aim."""
+    """Local search with SLSQP in rounds, each with the local maxima of its start; ends when no round lowers the aim.
+
+    It counts the designs evaluated with their ``gradients``, and of these, those ``beyond`` what can be assembled.
+    """
 
     problem: DesignProblem
-    counter: Counter = field(default_factory=Counter)
+    gradients: int = 0
+    beyond: int = 0
 
     def run(self, start: Array) -> End | None:
         """The end of a search from a design; None where that cannot be assembled."""
@@ -112,7 +107,7 @@ class Descent:
 
     def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
         """The design at a place, linearised and counted; raises AssemblyError."""
-        self.counter.gradients += 1
+        self.gradients += 1
         return self.problem.linearise(place, windows)
 
     def _search_round(self, end: End, radius: float) -> End | None:
@@ -194,7 +189,7 @@ class _CachedDesigns:
             try:
                 self.designs = self.good = self.descent.linearise(place, self.windows)
             except AssemblyError:
-                self.descent.counter.beyond += 1
+                self.descent.beyond += 1
                 far = self.good
                 self.designs = far._replace(
                     aim=far.aim + OUT_OF_REACH, inside=far.inside - OUT_OF_REACH, equal=far.equal + OUT_OF_REACH
@@ -218,38 +213,58 @@ PENALTY: Final = 3.0  # weight of a violated constraint beside the aim
 Announce = Callable[[str, int, int], None]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Search:
-    """The ends of searches from several designs, the first from the file's; None where one cannot be assembled."""
+    """The ends of searches from several designs, the first from the file's; None where one cannot be assembled.
 
-    method: str
-    ends: tuple[End | None, ...]
-    counter: Counter
-    residual: float
+    ``sampled`` counts the designs without gradients; ``residual`` is that of the best end.
+    """
+
+    descent: Descent
+    everywhere: bool
+    ends: list[End | None] = field(default_factory=list)
+    sampled: int = 0
+    residual: float = np.nan
+
+    @property
+    def method(self) -> str:
+        """The method in words."""
+        return "SLSQP" + (", from the best of an even sample" if self.everywhere else "")
 
     @property
     def best(self) -> End | None:
         """The lowest end that meets the constraints; else the end with the least violation."""
-        return _best_end(self.ends)
+        return min((end for end in self.ends if end is not None), key=lambda end: end.rank, default=None)
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
         """Ends that are higher than the best, or violate a constraint."""
-        return _other_ends(self.ends)
+        best = self.best
+        return tuple(
+            end for end in self.ends if best is not None and end is not None
+            and (not end.is_feasible or end.aim > best.aim + APART * max(1.0, abs(best.aim)))
+        )  # fmt: skip
 
+    @property
+    def misses_alike(self) -> bool:
+        """Whether several searches have ended as near to the constraints as the best, so that none comes nearer."""
+        found = [end.violation for end in self.ends if end is not None]
+        return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
 
-def _best_end(ends: Sequence[End | None]) -> End | None:
-    """The end with the best rank; None where no design could be assembled."""
-    return min((end for end in ends if end is not None), key=lambda end: end.rank, default=None)
-
-
-def _other_ends(ends: Sequence[End | None]) -> tuple[End, ...]:
-    """Ends that are higher than the best, or violate a constraint."""
-    best = _best_end(ends)
-    return tuple(
-        end for end in ends if best is not None and end is not None
-        and (not end.is_feasible or end.aim > best.aim + APART * max(1.0, abs(best.aim)))
-    )  # fmt: skip
+    def starts(self, count: int, most: int) -> list[Array]:
+        """Places to start from: the best, ``most`` at most, of an even sample of ``count``, no two near each other."""
+        problem = self.descent.problem
+        places = _even_places(count, len(problem.variables))
+        self.sampled += count
+        angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
+        aim, violation = problem.sample_designs(places, angles)
+        merits, picked = aim + PENALTY * violation, list[Array]()
+        for number in np.argsort(merits):
+            if len(picked) == most or not np.isfinite(merits[number]):
+                break
+            if all(np.max(np.abs(places[number] - values)) > SPACED for values in picked):
+                picked.append(places[number])
+        return picked
 
 
 def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
@@ -258,54 +273,23 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
     Not all of these are searched from where the first few searches have ended at the same. Where the file's design
     leads to none that is allowed, a few others of such a sample are tried, until several miss the constraints alike.
     """
-    counter = Counter()
-    descent = Descent(problem, counter)
+    result = Search(Descent(problem), everywhere)
+    ends, run = result.ends, result.descent.run
     samples = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
-    others = _pick_starts(problem, counter, samples, PICKED) if everywhere else []
-    ends: list[End | None] = []
+    others = result.starts(samples, PICKED) if everywhere else []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
-        ends.append(descent.run(place))
-        if everywhere and len(ends) == AGREEING and None not in ends and not _other_ends(ends):
+        ends.append(run(place))
+        if everywhere and len(ends) == AGREEING and None not in ends and not result.elsewhere:
             break
     if len(ends) == 1 and (ends[0] is None or not ends[0].is_feasible):
-        for place in _pick_starts(problem, counter, DRAWN, RESTARTS):
-            ends.append(descent.run(place))
-            if (ends[-1] is not None and ends[-1].is_feasible) or _miss_alike(ends):
+        for place in result.starts(DRAWN, RESTARTS):
+            ends.append(end := run(place))
+            if (end is not None and end.is_feasible) or result.misses_alike:
                 break
-    method = "SLSQP" + (", from the best of an even sample" if everywhere else "")
-    result = Search(method, tuple(ends), counter, np.nan)
-    best = result.best
-    if best is None:
-        return result
-    return replace(result, residual=descent.residual(best.place))
-
-
-def _miss_alike(ends: Sequence[End | None]) -> bool:
-    """Whether several searches have ended as near to the constraints as the best, so that none comes nearer."""
-    found = [end.violation for end in ends if end is not None]
-    return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
-
-
-def _pick_starts(problem: DesignProblem, counter: Counter, count: int, most: int) -> list[Array]:
-    """Places to start from: the best, ``most`` at most, of an even sample of ``count``, no two near each other."""
-    places, merits = _sample_merits(problem, counter, count)
-    picked: list[Array] = []
-    for number in np.argsort(merits):
-        if len(picked) == most or not np.isfinite(merits[number]):
-            break
-        if all(np.max(np.abs(places[number] - values)) > SPACED for values in picked):
-            picked.append(places[number])
-    return picked
-
-
-def _sample_merits(problem: DesignProblem, counter: Counter, count: int) -> tuple[Array, Array]:
-    """Designs spread evenly (designs, variables), and how low they are: nan where they cannot be assembled."""
-    places = _even_places(count, len(problem.variables))
-    counter.sampled += len(places)
-    angles = problem.maxima.grid[:: max(1, len(problem.maxima.grid) // ANGLES)]
-    aim, violation = problem.sample_designs(places, angles)
-    return places, np.asarray(aim + PENALTY * violation)
+    if result.best is not None:
+        result.residual = result.descent.residual(result.best.place)
+    return result
 
 
 def _even_places(count: int, dimensions: int) -> Array:

@@ -156,7 +156,7 @@ def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
         if number.kind not in ("length", "direction") or point == name:
             continue
         x, y = number.value, numbers[f"{point}.y"].value
-        angle = Parameter(point + ANGLE, Kind.ANGLE, math.atan2(y, x), FileUnit(unit, factor("angle", unit)))
+        angle = Parameter(point + ANGLE, FileUnit(unit, factor("angle", unit)), Kind.ANGLE, math.atan2(y, x))
         if x or y:
             numbers.setdefault(angle.name, angle)
             if number.kind == "length":

@@ -119,9 +119,9 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
     search, problem = optimum.search, optimum.problem
     way = "exact derivatives" if is_exact(problem.case.mechanism) else "differences"
     grid = len(problem.maxima.grid)
-    sampled = f", {search.counter.sampled} sampled designs" if search.counter.sampled else ""
+    sampled = f", {search.sampled} sampled designs" if search.sampled else ""
     yield (
-        f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.counter.gradients} designs with "
+        f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.descent.gradients} designs with "
         f"derivatives at {grid} angles each{sampled}."
     )
     if optimum.is_fixed:
@@ -143,7 +143,7 @@ def _optimality(search: Search) -> Iterator[str]:
         "the whole of the bounds."
     )
     if search.residual > SETTLED:
-        why = "beyond it designs cannot be assembled" if search.counter.beyond else "a figure may have a kink there"
+        why = "beyond it designs cannot be assembled" if search.descent.beyond else "a figure may have a kink there"
         yield f"This is no smooth local optimum: the search could go no further, {why}."
 
 
@@ -224,8 +224,8 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
             "method": search.method,
             "derivatives": "exact" if is_exact(problem.case.mechanism) else "differences",
             "angles": len(problem.maxima.grid),
-            "designs_with_derivatives": search.counter.gradients,
-            "designs_sampled": search.counter.sampled,
+            "designs_with_derivatives": search.descent.gradients,
+            "designs_sampled": search.sampled,
             "residual": search.residual,
             "nothing_to_vary": optimum.is_fixed,
             "ends": ends,
