@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import EMPTY_PARTS, named_numbers
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import GROUND, LOADS, Linkage, RotaryDamper, rotate
+from analytic.description.linkage import GROUND, LOADS, JointFriction, Linkage, RotaryDamper, rotate
 from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
 from analytic.description.written import fixed, kind_unit, signed
@@ -42,6 +42,7 @@ MOST_MODES: Final = 8  # of a linkage whose other assembly modes are tried
 MOST_PACES: Final = 150
 MOST_LOAD_NUMBERS: Final = 8  # of one load: of a longer table no number is a fault of its own
 MOST_POINTS: Final = 60  # of a linkage whose distances are tried one by one
+NO_FRICTION: Final = 1e-2  # of what counts as a change: what is smaller is not named
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
 PHASE_CAPTURE: Final = 0.7  # rad, from which a fit finds the phase
 QUARTER_TURNS: Final = (0.5 * math.pi, -0.5 * math.pi, math.pi)
@@ -64,6 +65,7 @@ NUMBER_WORDS: Final = {  # of a number, by the first of its path and the field o
     ("sliders", ""): "{axis} of the guide of '{guide}'",
     ("slots", ""): "{axis} of the guide of '{guide}'",
     ("gravity", ""): "{axis} of gravity",
+    ("friction", ""): "the coefficient of friction of '{1}'",
 }
 LOAD_FACTORS: Final = (0.0, -1.0, 1e3, 1e-3)  # multiples of a load that are written in its place
 PACE, OFFSET, SHIFT, ORDER = ((CRANK, knob) for knob in ("pace", "offset", "shift", "order"))
@@ -76,7 +78,7 @@ class FaultKind(IntEnum):
     SETTING = 1  # one setting of the tool: gravity, direction, start, units, what is left out
     NUMBER = 2  # one number of the description
     SEVERAL = 3  # several numbers at once
-    FREE = 4  # a factor of a column that no unit explains
+    FREE = 4  # a factor of a column that no unit explains, friction of all joints
 
 
 COLUMN, SETTING, NUMBER, SEVERAL, FREE = FaultKind
@@ -362,6 +364,7 @@ def of_model(simulation: Simulation) -> Iterator[Hypothesis]:
     yield from _of_gravity(linkage)
     yield from _of_modes(simulation)
     yield from _of_joints(simulation)
+    yield from _of_friction(linkage)
     yield from _of_loads(linkage)
     for name, number in named_numbers(linkage).items():
         yield from _of_number(linkage, name, number)
@@ -424,6 +427,41 @@ def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
         yield Hypothesis(f"damping:{at}", SEVERAL, dampers, words, (0.0,), (size,), is_linear=True)
 
 
+def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
+    """Friction by a joint's own force: left out, or in joints that have none in the file, in one or in several."""
+    if linkage.friction:
+        words = "the friction of the linkage file is left out"
+        yield _certain("no friction", SETTING, {(LINKAGE, "friction"): {}}, words)
+    unit = factor("length", linkage.units.get("length", "m"))
+    joints = {pin.point: unit for pin in linkage.pins}  # what its number is written in
+    joints |= dict.fromkeys((*(slider.link for slider in linkage.sliders), *(slot.name for slot in linkage.slots)), 0.0)
+    joints = {joint: unit for joint, unit in joints.items() if joint not in linkage.friction}
+
+    def of(*names: str) -> dict[str, Any]:
+        sizes = tuple(0.1 * linkage.shortest_length() if joints[name] else 0.1 for name in names)
+
+        def friction(*numbers: float) -> Values:
+            own = {
+                name: JointFriction(float(x), float(joints[name] > 0.0)) for name, x in zip(names, numbers, strict=True)
+            }
+            return {(LINKAGE, "friction"): {**linkage.friction, **own}}
+
+        def words(*numbers: float) -> str:
+            found = [
+                f"'{name}', μ r = {linkage.written(x)}" if joints[name] else f"'{name}', μ = {x:.3g}"
+                for name, x, size in zip(names, numbers, sizes, strict=True)
+                if x > NO_FRICTION * size
+            ]
+            return f"joint friction acts in {'; in '.join(found)}"
+
+        return {"targets": friction, "words": words, "start": (0.0,) * len(names), "sizes": sizes}
+
+    for name, size in joints.items():
+        yield Hypothesis(f"friction:{name}", SEVERAL, **of(name), unit=size or 1.0, least=0.0)
+    if len(joints) > 1:
+        yield Hypothesis("friction", FREE, **of(*joints))
+
+
 def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
     """All loads of a kind left out; a load at another point or on another link."""
     for part in LOADS:
@@ -457,6 +495,8 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
     of_load = sum(other.path[:2] == path[:2] for other in named_numbers(linkage).values())
     if path[0] == "sketch" or not (value or is_place) or (path[0] in LOADS[:2] and of_load > MOST_LOAD_NUMBERS):
         return
+    if path[0] == "friction" and kind is Kind.LENGTH:  # the radius: of its product the coefficient is the one in doubt
+        return
     size = {Kind.LENGTH: linkage.shortest_length(), Kind.ACCELERATION: 9.81}.get(kind, abs(value))
     about = _inertias_about_points(linkage, str(path[1])) if kind is Kind.INERTIA else {}
     what, unit = _number_words(name, number), kind_unit(kind, linkage.units)
@@ -466,8 +506,8 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
             return f"{what} is left out"
         at = next((point for place, point in about.items() if math.isclose(place, new, rel_tol=1e-9)), "")
         end = f": that about '{at}', not about the mass centre" if at else _slip_words(kind.si, value and new / value)
-        old = f"{value / unit.size:z.4g} {unit.name}"
-        return f"{what} is {new / unit.size:z.4g} {unit.name} in place of {old}{end}"
+        now, old = (f"{x / unit.size:z.4g} {unit.name}".rstrip() for x in (new, value))
+        return f"{what} is {now} in place of {old}{end}"
 
     usual = dict.fromkeys([*about, *(value * k for k in USUAL_FACTORS.get(kind, LOAD_FACTORS))])
     yield Hypothesis(name, NUMBER, lambda new: {name: new}, words, (value,), (size or 1.0,),

@@ -3,6 +3,7 @@
 The curves in ``foreign`` come from a solution in absolute coordinates that shares nothing with the closed form.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.linkage import JointFriction
 from analytic.description.loading import load
 from comparisons.filejudge.columns import Correction
 from comparisons.filejudge.fault_ranking import differs
@@ -94,6 +96,26 @@ def test_single_samples_with_the_other_sign_are_called_so(change, words):
 def test_a_column_of_another_quantity_is_recognised():
     results = exported(JUKI, QUINTIC, ("Mkr", "Peq"), TIME, change=lambda v, _: {"Mkr": v["Peq"], "Peq": v["Peq"]})
     assert kinds(judge(JUKI, results, QUINTIC)) == ["is Peq"]
+
+
+@pytest.mark.parametrize(
+    ("given", "planted", "words"),
+    [
+        ({}, {"A": (0.2, 0.0015)}, "joint friction acts in 'A', μ r = 0.3 mm"),
+        (
+            {}, {"needle_bar": (0.15, 0.0), "O1": (0.1, 0.006), "A": (0.08, 0.004)},
+            "joint friction acts in 'A', μ r = 0.32 mm; in 'O1', μ r = 0.6 mm; in 'needle_bar', μ = 0.15",
+        ),
+        ({"needle_bar": (0.15, 0.0)}, {}, "the friction of the linkage file is left out"),
+        ({"A": (0.1, 0.004)}, {"A": (0.12, 0.004)}, "the coefficient of friction of 'A' is 0.12 in place of 0.1"),
+    ],
+)  # fmt: skip
+def test_friction_by_the_joints_own_forces_is_named_with_its_coefficients(given, planted, words):
+    own, true = (
+        replace(JUKI, friction={k: JointFriction(*v) for k, v in joints.items()}) for joints in (given, planted)
+    )
+    results = exported(own, MOTION, NAMES, TIME[::2], model=Simulation(true, MOTION))
+    assert [finding.likeliest.words for finding in judge(own, results, MOTION).explanation.findings] == [words]
 
 
 @pytest.mark.parametrize("kind", first(RUNS))
