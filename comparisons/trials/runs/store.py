@@ -6,19 +6,20 @@ loses no more than the run that it was making.
 
 A file may come from a stranger. It is read only if its tables are exactly ours and SQLite finds each value of the type
 of its column; nothing in it is run, and nothing is written while it is read.
+
+A browser's Python has SQLite only if it is asked for: it is imported by what opens a file.
 """
 
 from __future__ import annotations
 
 import json
-import sqlite3
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, field, is_dataclass
 from itertools import islice, zip_longest
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.files import STORE, Claim, check_folder, claim
+
+if TYPE_CHECKING:
+    import sqlite3
 
 R = TypeVar("R")
 Curve = NDArray[np.float32]  # (4, samples): CURVE
@@ -182,6 +186,8 @@ _BEGUN: weakref.WeakValueDictionary[Path, Runs] = weakref.WeakValueDictionary() 
 
 def temporary_runs() -> Runs:
     """Runs in a file without a name, which goes with the process."""
+    import sqlite3  # noqa: PLC0415
+
     connection = sqlite3.connect("", isolation_level=None)
     connection.execute("PRAGMA foreign_keys = ON")
     _make_tables(connection)
@@ -303,6 +309,8 @@ def _one(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  #
 @contextmanager
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
     """Turn errors of a file that cannot be read or written into LinkproofError."""
+    import sqlite3  # noqa: PLC0415
+
     try:
         yield
     except (sqlite3.Error, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
@@ -323,6 +331,8 @@ def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
 
     What a killed process left half-written is rolled back, which needs a folder that can be written.
     """
+    import sqlite3  # noqa: PLC0415
+
     check_folder(folder)
     path, journal = folder / STORE, folder / f"{STORE}-journal"
     with store_errors(folder):

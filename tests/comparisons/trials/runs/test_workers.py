@@ -124,32 +124,6 @@ def test_workers_import_what_their_parent_does_and_nothing_from_the_working_fold
     assert done.stdout == "[(0, 'program')]\n"
 
 
-WITHOUT_PROCESSES = """
-import sys
-sys.modules["_multiprocessing"] = None
-from reports.command_line.main import main
-for line in sys.stdin:
-    sys.argv = ["linkproof", *line.split()]
-    try:
-        main()
-    except SystemExit as end:
-        if end.code:
-            raise
-"""
-
-
-def test_commands_run_where_there_are_no_processes():
-    lines = (
-        "check juki-mf7923d\n"
-        "results juki-mf7923d\n"
-        "sweep juki-mf7923d --vary crank.mass=0.1:0.2:3\n"
-        "compare juki-mf7923d --regime run-up --regime run-up-cubic --engine direct --quantity S\n"
-    )
-    command = [sys.executable, "-c", WITHOUT_PROCESSES]
-    done = subprocess.run(command, input=lines, env=ENVIRONMENT, capture_output=True, text=True, check=False)
-    assert (done.returncode, "2 deviations: 2 passed" in done.stdout) == (0, True), done.stderr
-
-
 def test_a_worker_that_has_ended_between_two_jobs_costs_none():
     with closing(LocalPool(1, lasts=True)) as pool:
         ((_, first),) = pool.run(os.getpid, [()])
