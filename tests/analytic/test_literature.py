@@ -47,6 +47,7 @@ def test_a_toggle_is_where_two_links_of_the_source_are_in_line(name):
             formula(mpf(end) + outward * TOGGLE)
 
 
+@pytest.mark.nightly
 def test_andrews_mechanism_moves_as_by_the_seven_equations_of_its_source():
     sample = mechanism("andrews-squeezer")
     (regime,) = sample.linkage.regimes

@@ -71,10 +71,18 @@ KINDS = {
 RUN_UP = crank_motion("run-up", ramp_time=0.06, hold_time=0.02, start_angle=0.3)
 QUINTIC = crank_motion("run-up-quintic", ramp_time=0.06, hold_time=0.01, start_angle=0.3)
 STEADY = crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0, start_angle=0.3)
+USUAL = ("moving-guides", "ground-pin-in-slot", "force-over-angle")  # the catalogue's are in tests/test_limits_hold.py
 LINEAR_ORDERS = ("position", "velocity", "angular position", "angular velocity")
 
 
-@pytest.mark.parametrize(("linkage", "name"), [(linkage, name) for linkage in KINDS for name in KINDS[linkage]])
+@pytest.mark.parametrize(
+    ("linkage", "name"),
+    [
+        pytest.param(linkage, name, marks=() if linkage in USUAL else pytest.mark.nightly)
+        for linkage in KINDS
+        for name in KINDS[linkage]
+    ],
+)
 def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(linkage, name):
     motion = QUINTIC if name == "drake" else RUN_UP
     errors = errors_of(run_of(installed(name), mechanism(linkage), motion, Setting.TUNED), mechanism(linkage), motion)

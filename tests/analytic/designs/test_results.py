@@ -271,6 +271,7 @@ def test_a_mean_is_the_integral_over_the_motion_whatever_the_samples(name, figur
         np.testing.assert_allclose(result, expected, rtol=1e-9, err_msg=f"{count} {refine}")
 
 
+@pytest.mark.nightly
 def test_either_path_gives_the_figures():
     pytest.importorskip("numba")
     sample = mechanism("rimoldi-164")

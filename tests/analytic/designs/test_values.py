@@ -8,8 +8,9 @@ from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
-from tests.analytic.linkages import FourBar, from_text, mechanism, text_of
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ODD, on_trial
+from tests.analytic.textbook import four_bar
 
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
@@ -68,10 +69,8 @@ def test_machine_code_gives_what_numpy_gives(name, some):
 
 def _coinciding_pins():
     """RRR with equal arms whose outer pins meet at 0°, and arms of different length that then cannot meet."""
-    text = FourBar((0.06, 0.02, 0.05, 0.05), np.full((3, 4), 0.01), 1).text()
-    output = 'output = { point = "B", along = [1, 0] }'
-    sample = from_text(text.replace('crank = "crank"', f'crank = "crank"\n{output}'))
-    same = {"ground.O2.x": [0.02, 0.02], "crank.A.x": [0.02, 0.02], "rocker.B.x": [0.05, 0.049]}
+    sample = from_text('output = { point = "C", along = [1, 0] }\n' + four_bar(0.06, 0.02, 0.05, 0.05, 1.0))
+    same = {"ground.B.x": [0.02, 0.02], "crank.A.x": [0.02, 0.02], "rocker.C.x": [0.05, 0.049]}
     return sample, same, [0.0, 0.3], [[False, True], [False, True]]
 
 

@@ -82,6 +82,7 @@ def test_a_crank_that_only_swings_is_looked_at_where_it_can_stand():
         assert (moments[0] > 0.0 > moments[2]) == place.stable
 
 
+@pytest.mark.nightly
 def test_the_steady_state_is_where_the_motion_ends_up():
     sample = mechanism("slotted-takeup")
     steady = steady_state(sample, 0.025)

@@ -18,10 +18,10 @@ from engines.mechanics.start_check import ability_obstacle
 from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.absolute_coordinates import largest_error
+from tests.analytic.drawn_linkages import draw
 from tests.analytic.linkages import text_of
 from tests.analytic.textbook import PENDULUM
 from tests.engines.closed_form import installed
-from tests.nightly.random_linkages import draw
 
 PHI, SPEED, CLOSE = np.linspace(0.1, 6.3, 91), 7.0, 1e-11
 
@@ -39,7 +39,7 @@ def rubbing(number):
     return f"friction = {{ {', '.join(tables)} }}\n{text}"
 
 
-@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize("number", [2, 3])
 def test_forces_and_torque_are_those_of_a_solution_in_absolute_coordinates(number):
     assert largest_error(rubbing(number), PHI, SPEED) < CLOSE
     assert largest_error(rubbing(number), PHI, -SPEED) < CLOSE
@@ -47,7 +47,7 @@ def test_forces_and_torque_are_those_of_a_solution_in_absolute_coordinates(numbe
 
 @pytest.mark.nightly
 def test_so_are_those_of_a_hundred_linkages():
-    assert max(largest_error(rubbing(number), PHI, SPEED) for number in range(4, 104)) < CLOSE
+    assert max(largest_error(rubbing(number), PHI, SPEED) for number in range(100)) < CLOSE
 
 
 def test_a_pivot_resists_by_its_radius_and_the_weight_on_it():

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from analytic.dynamics import reduced
 from analytic.numerics.refine import grid
+from tests.analytic.drawn_linkages import draw, placed
 from tests.analytic.fifty_digits import exact
-from tests.analytic.linkages import EVERY, FULL_TURN, angles, four_bars, from_text, mechanism
+from tests.analytic.linkages import EVERY, FULL_TURN, angles, from_text, mechanism
 from tests.analytic.tolerances import FIFTY_DIGITS, FULL_TURN_WORK, SAME_FIGURES
 
 SPEED, ACCELERATION = -37.0, 410.0  # rad/s, rad/s²: inertia, gravity and damping all matter
@@ -63,7 +64,7 @@ def test_conservative_linkages_take_no_work_over_a_turn_at_constant_speed(name):
     assert abs(np.mean(torque)) <= FULL_TURN_WORK * np.max(np.abs(torque)) * len(angle) ** 0.5
 
 
-def _figures(sample, angle, speed=25.0, acceleration=130.0):
+def _figures(sample, angle, speed, acceleration):
     sweep = sample.sweep(angle)
     return np.array([reduced.reduced_inertia(sweep), reduced.drive_torque(sweep, speed, acceleration)])
 
@@ -73,11 +74,17 @@ def _assert_same(one, two):
 
 
 @settings(max_examples=8)
-@given(four_bars(), st.floats(-3.0, 3.0), st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
-def test_order_placement_units_and_mirroring_of_the_drawing_change_nothing(four_bar, turn, shift):
-    plain = _figures(from_text(four_bar.text()), angles(20))
-    assert np.array_equal(plain, _figures(from_text(four_bar.text(reverse=True)), angles(20)))
-    _assert_same(plain, _figures(from_text(four_bar.text(turn=turn, shift=shift)), angles(20) + turn))
-    _assert_same(plain, _figures(from_text(four_bar.text(unit=("in", 0.0254))), angles(20)))
-    mirrored = _figures(from_text(four_bar.text(mirrored=True)), -angles(20), speed=-25.0, acceleration=-130.0)
+@given(st.integers(0, 10**6), st.floats(-3.0, 3.0), st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)))
+def test_order_placement_units_and_mirroring_of_the_drawing_change_nothing(number, turn, shift):
+    text = draw(number).text
+    shift = np.array(shift) * from_text(text).linkage.shortest_length()
+
+    def figures(phi, motion=(25.0, 130.0), **change):
+        return _figures(from_text(placed(text, **change)), phi, *motion)
+
+    plain = figures(angles(20))
+    assert np.array_equal(plain, figures(angles(20), reverse=True))
+    _assert_same(plain, figures(angles(20) + turn, turn=turn, shift=shift))
+    _assert_same(plain, figures(angles(20), unit=("in", 0.0254)))
+    mirrored = figures(-angles(20), (-25.0, -130.0), mirrored=True)
     _assert_same(plain, mirrored * [[1.0], [-1.0]])

@@ -155,6 +155,7 @@ def _moduli(sweep):
     return total
 
 
+@pytest.mark.nightly
 def test_the_printed_half_slope_makes_energy_out_of_nothing(monkeypatch):
     monkeypatch.setattr(reduced, "half_inertia_derivative", _moduli)
     printed = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN, tolerance=GLANCE)
@@ -164,6 +165,7 @@ def test_the_printed_half_slope_makes_energy_out_of_nothing(monkeypatch):
     assert energy_imbalance(printed) > 0.5
 
 
+@pytest.mark.nightly
 def test_the_fixed_steps_of_the_articles_lose_a_fifth_of_the_speed():
     """The classical Runge-Kutta method in 1000 steps of 0.01 s: more than a radian of the crank each in the end."""
     right = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN)

@@ -48,7 +48,7 @@ def test_the_linkages_of_the_literature_are_without_warnings():
 
 
 def test_a_chain_so_long_that_no_bound_can_be_given():
-    facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
+    facts, _ = check(parse(chain_of_dyads(50), "chain", "chain.toml"))
     assert set(facts["error_bound"].values()) == {None}
     assert "no error bound can be given" in rendered(*printed_facts(facts, str))
 

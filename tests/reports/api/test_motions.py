@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from comparisons.designer.open_ends import MARGIN
 from reports.api.campaign import request
 from reports.api.motions import requested_motions
-from reports.api.options import Motion, changed_options
+from reports.api.options import Motion
 from tests.analytic.linkages import driven, path_of
 from tests.commands import linkproof
 
@@ -48,20 +48,6 @@ def test_the_speed_of_a_swing_is_its_largest():
     assert [motion.regime for motion in found] == list(LAWS)
     assert [motion.peak_speed for motion in found] == pytest.approx([120.0 * RPM] * len(LAWS))
     assert [motion.regime for motion in motions(regime=("all",))] == list(REGIMES)
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({}, {}),
-        ({"speed": -300.0, "regime": ("run-up",)}, {"regime": ("run-up",), "speed": ("-300",)}),
-        ({"speed": -0.0, "gravity": False}, {"speed": ("-0",), "no-gravity": ()}),
-        ({**SWING, "variant": "as-printed"}, {"variant": ("as-printed",), "from": ("20",), "to": ("110",)}),
-        ({"speed": 1000.0}, {"speed": ("1000",)}),  # given, even if it is the default of a crank
-    ],
-)
-def test_the_words_ask_for_the_same(options, words):
-    assert changed_options(Motion(**options)) == words
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-import linkproof
 from analytic.errors import LinkproofError
 from tests.commands import linkproof as command
 from tests.commands import process, refused
@@ -148,30 +147,6 @@ def test_a_command_refuses_it_in_a_sentence(folder, place, bad):
     assert "\x1b" not in sentence
 
 
-FAST = {"engine": "direct", "bounds": linkproof.Bounds(jobs=0)}
-FUNCTIONS = {
-    "linkage of check": (".toml", linkproof.check),
-    "linkage of results": (".toml", linkproof.results),
-    "linkage of sweep": (".toml", lambda path: linkproof.sweep(path, {"rocker.C.x": [10, 20]}).dataset),
-    "linkage of judge": (".toml", lambda path: linkproof.judge(path, "results.csv")),
-    "linkage of compare": (".toml", lambda path: linkproof.compare(path, **FAST)),
-    "results": (".csv", lambda path: linkproof.judge("juki-mf7923d", path)),
-    "tolerances": (".toml", lambda path: linkproof.tolerance("juki-mf7923d", path).dataset),
-    "limits": (".toml", lambda path: linkproof.compare("juki-mf7923d", **FAST, limits=path)),
-    "recorded": (".csv", lambda path: linkproof.compare("juki-mf7923d", **FAST, against=path)),
-    "record": (".csv", lambda path: linkproof.compare("juki-mf7923d", **FAST, record=path)),
-}
-
-
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="pipes and devices of Linux")
-@pytest.mark.parametrize("place", FUNCTIONS)
-@pytest.mark.parametrize("bad", ["folder", "pipe", "device", "link to itself", "name of 300 bytes"])
-def test_a_function_refuses_it_in_a_sentence(folder, place, bad):
-    suffix, function = FUNCTIONS[place]
-    with bounded(), pytest.raises(LinkproofError):
-        function(made(folder, suffix, bad))
-
-
 @pytest.mark.parametrize(
     "entry",
     [
@@ -212,10 +187,6 @@ def test_pages_that_cannot_be_written_are_an_error_after_the_results(monkeypatch
     for done in (command(*words), command("compare", "--out", "out")):
         assert (done.returncode, "1 passed" in done.stdout) == (2, True)
         assert "the results are saved in 'out', but no pages are written: cannot write 'out/index.html'" in done.stderr
-
-
-def test_a_figure_without_a_name_is_refused(folder):
-    assert "--figure needs a file" in refused("results", "juki-mf7923d", "--figure", "")
 
 
 def test_a_home_that_cannot_be_written_is_no_news(tmp_path):

@@ -85,12 +85,6 @@ def test_misuse_is_one_sentence_and_exit_code_2(tmp_path, words, sentence):
     assert sentence in refused(*words, cwd=tmp_path)
 
 
-def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path):
-    (tmp_path / "mine.toml").write_text(read(NAME).text.replace("mass    = 0.03", "mass    = -0.03"))
-    assert "got -0.03" in refused("compare", "mine.toml", "--out", "out", "--save", "r.json", cwd=tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
-
-
 def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_out_where_it_is_not(monkeypatch):
     monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "pymunk is not installed: install it")
     monkeypatch.setattr("reports.api.campaign.engine_names", lambda: ("direct", "pymunk"))

@@ -5,7 +5,6 @@ import pytest
 import xarray
 
 import linkproof
-from tests.commands import linkproof as command
 
 da = pytest.importorskip("dask.array")
 
@@ -18,18 +17,6 @@ def grid(**options):
     return linkproof.sweep(
         "rimoldi-164", {**values, **options}, FIGURES, motion=linkproof.SteadyMotion(speed=500)
     ).dataset
-
-
-def test_a_grid_is_what_the_command_writes(tmp_path):
-    vary = ("--vary", "rod.B.x=160:180:5", "--vary", "rod.mass=0.1:0.2:3", "--speed", "500")
-    figures = [word for name in FIGURES for word in ("--quantity", name)]
-    assert command("sweep", "rimoldi-164", *vary, *figures, "--save", tmp_path / "sweep.nc", "-q").returncode == 0
-    with xarray.open_dataset(tmp_path / "sweep.nc") as saved:
-        found = grid()
-        xarray.testing.assert_allclose(found, saved, rtol=1e-14)
-        without = [{name: value for name, value in each.attrs.items() if name != "command"} for each in (found, saved)]
-        assert without[0] == without[1]
-        assert all(found[name].attrs == saved[name].attrs for name in (*saved.data_vars, *saved.coords))
 
 
 def test_tables_of_any_kind_list_designs():

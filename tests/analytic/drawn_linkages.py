@@ -1,29 +1,23 @@
-"""Random valid linkages in every engine: how often tuned fails, and whether a wrong motion ever passes unseen.
+"""Valid linkages drawn at random: four-bars, offset slider-cranks, quick returns and six-bars, the same everywhere.
 
-Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a
-transmission angle that a designer would accept.
+Sizes and masses are over four decades, and every transmission angle is one that a designer would accept.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from analytic.description.crank_motion import crank_motion
-from analytic.description.loading import parse
 from analytic.errors import LinkproofError
-from analytic.kinematics.mechanism import Mechanism
-from comparisons.motion.case import Case
-from comparisons.trials.runs.run_engine import Bounds, Lost, run_engine
-from comparisons.trials.runs.workers import LocalPool
-from comparisons.trials.stress.cells import Cell, StressVerdict, judged
-from engines.contract import Setting
-from engines.registry import engine
-from engines.scene import Channel
+from analytic.numerics.refine import grid
+from analytic.signals import evaluate, names
+from tests.analytic.linkages import from_text
+from tests.analytic.mutations import document
 
 KINDS = ("four-bar", "slider-crank", "quick return", "six-bar")
 SEED = 9
@@ -31,7 +25,6 @@ MODERATE = 30.0  # mass ratio within a linkage up to which every engine is to ho
 STEEPEST = math.radians(25.0)  # least transmission angle
 HEAD = 'title = "{kind}"\nsource = "drawn"\ncrank = "crank"\ngravity = [0.7, -9.7]\n'
 HEAD += 'units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }}\n'
-SECONDS = 60.0  # that a run may take
 
 
 @dataclass(frozen=True)
@@ -45,36 +38,18 @@ class Drawn:
 
 def draw(number: int, largest_ratio: float = MODERATE) -> Drawn:
     """The linkage of a number: the same on every machine."""
+    kind = KINDS[number % len(KINDS)]
     for attempt in range(1000):
-        rng = np.random.default_rng([SEED, number, attempt])
-        kind = KINDS[number % len(KINDS)]
-        text, ratio = _text(kind, rng, largest_ratio)
+        text, ratio = _text(kind, np.random.default_rng([SEED, number, attempt]), largest_ratio)
         try:
-            mechanism = Mechanism(parse(text, f"drawn-{number}", "drawn"))
+            mechanism = from_text(text, f"drawn-{number}")
             mechanism.check_full_turn()
+            between = [one for one in names(mechanism) if one.startswith("transmission_angle")]
+            if min(float(np.min(angle)) for angle in evaluate(mechanism, grid(360), between).values()) >= STEEPEST:
+                return Drawn(kind, ratio, text)
         except LinkproofError:
             continue
-        if _steep(mechanism) >= STEEPEST:
-            return Drawn(kind, ratio, text)
     raise RuntimeError(f"no valid linkage of number {number}")
-
-
-def _steep(mechanism: Mechanism) -> float:
-    """Least transmission angle of any dyad over a turn, rad, from how its determinant compares with its largest."""
-    sweep = mechanism.turn
-    angles = [np.abs(np.sin(np.asarray(angle))) for angle in _between(sweep, mechanism)]
-    return float(math.asin(min((float(np.min(each)) for each in angles), default=1.0)))
-
-
-def _between(sweep: object, mechanism: Mechanism) -> Iterator[np.ndarray]:
-    """Angles between the two lines along which a dyad's members hold its inner joint."""
-    linkage = mechanism.linkage
-    turn = {name: sweep.angles(name) for name in linkage.links}  # type: ignore[attr-defined]
-    slides = {slider.link: math.atan2(slider.guide.along[1], slider.guide.along[0]) for slider in linkage.sliders}
-    if "rocker" in turn and "coupler" in turn:
-        yield turn["coupler"] - turn["rocker"]
-    if "rod" in turn and "piston" in slides:
-        yield turn["rod"] - slides["piston"] - math.pi / 2.0
 
 
 SLOT = 'point = "A", on = "rocker", through = [0, 0], along = [1, 0]'
@@ -161,38 +136,40 @@ def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[st
     return drawing.text(kind), float(math.exp(np.ptp(np.log(drawing.masses[: len(drawing.links)]))))
 
 
-@dataclass
-class Tally:
-    """Numbers of the runs of one engine by verdict."""
+def placed(
+    text: str,
+    *,
+    turn: float = 0.0,
+    shift: tuple[float, float] = (0.0, 0.0),
+    unit: tuple[str, float] = ("m", 1.0),
+    mirrored: bool = False,
+    reverse: bool = False,
+) -> str:
+    """The file turned by an angle (gravity with it), shifted, in another unit of length, mirrored, listed backwards."""
+    file, flip = tomllib.loads(text), np.array([1.0, -1.0 if mirrored else 1.0])
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
 
-    verdicts: Counter[StressVerdict] = field(default_factory=Counter)
+    def own(vector: Any) -> list[float]:
+        return (np.array(vector) * flip / unit[1]).tolist()
 
-    def __str__(self) -> str:
-        return ", ".join(f"{number} {verdict}" for verdict, number in self.verdicts.most_common())
+    def there(place: Any) -> list[float]:
+        return ((rotation @ (np.array(place) * flip) + shift) / unit[1]).tolist()
 
-    @property
-    def failing(self) -> float:
-        """Share of the runs that the engine takes which failed or are over a limit."""
-        taken = sum(self.verdicts.values()) - self.verdicts[StressVerdict.UNSUPPORTED]
-        return 1.0 - self.verdicts[StressVerdict.WITHIN] / taken if taken else math.nan
-
-
-def run(number: int, name: str, largest_ratio: float) -> str:
-    """Verdict on one linkage in one engine."""
-    drawn = draw(number, largest_ratio)
-    motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
-    case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
-    model = case.scene(frozenset(Channel))
-    names = (case.mechanism.linkage.name, "", "", "", name, "", Setting.TUNED)
-    cell, adapter = Cell(*names, axis=drawn.kind, row="", value=number), engine(name)
-    return judged(cell, case, model, run_engine(adapter, model, Setting.TUNED), adapter).verdict.value
-
-
-def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE) -> dict[str, Tally]:
-    """The runs of linkages 0 … count − 1 in these engines."""
-    jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
-    found = {name: Tally() for name in engines}
-    for job, result in LocalPool().run(run, jobs, bounds=Bounds(seconds=SECONDS)):
-        verdict = result.outcome.value if isinstance(result, Lost) else result
-        found[jobs[job][1]].verdicts[StressVerdict(verdict)] += 1
-    return found
+    file["units"]["length"], file["sketch"]["angle"] = unit[0], turn
+    file["gravity"] = (rotation @ (np.array(file["gravity"]) * flip)).tolist()
+    for places in (file["ground"], file["sketch"]["points"]):
+        places.update({name: there(place) for name, place in places.items()})
+    for link in file["links"].values():
+        link["points"] = {name: own(place) for name, place in link.get("points", {}).items()}
+        if "centre" in link:
+            link["centre"] = own(link["centre"])
+    guides = [link["slides"] for link in file["links"].values() if "slides" in link]
+    for guide in (*guides, *file.get("slots", ())):
+        is_fixed = "on" not in guide
+        guide["through"] = (there if is_fixed else own)(guide["through"])
+        guide["along"] = ((rotation if is_fixed else np.eye(2)) @ (np.array(guide["along"]) * flip)).tolist()
+    if reverse:
+        file["links"] = dict(reversed(file["links"].items()))
+        for link in file["links"].values():
+            link["points"] = dict(reversed(link["points"].items()))
+    return document(file)
