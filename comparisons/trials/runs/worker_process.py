@@ -1,7 +1,6 @@
-"""A worker: a process that does one job at a time, each within its bounds, and tells when it begins and ends.
+"""A worker: a pool of pebble's with one process and pipes of its own, and one job at a time, each within its bounds.
 
-Jobs and answers are files, and a byte over a socket only says that it is time to look: whatever an engine writes into
-it, the command waits for nothing that does not come.
+Nothing is shared that a dying process could leave locked or half-written, and whatever it was doing is known.
 """
 
 from __future__ import annotations
@@ -9,23 +8,23 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import functools
-import math
 import multiprocessing
 import os
 import pickle
 import signal
-import socket
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Future
 from multiprocessing import forkserver, util
-from multiprocessing.connection import wait
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 from uuid import uuid4
+
+from pebble import CONSTS, ProcessPool
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.run_engine import SHOW_OUTPUT, Bounds, Failure, Lost, lost
@@ -33,12 +32,12 @@ from engines.registry import silenced
 
 START: Final = "LINKPROOF_WORKER_START"  # how workers are started: forkserver or spawn, as in multiprocessing
 _START_LOCK: Final = threading.Lock()  # the main module is hidden from one start at a time
+_CLEAN_EXIT: Final = 256  # stands for an exit code of 0
 _EXIT_TIMEOUT: Final = 2.0  # s within which a process must end after it has broken its connection
 # What C and C++ run-time libraries write when an allocation fails and nobody catches it.
 _NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
 _OUTPUT_END: Final = 4096  # bytes of the end of a worker's output that are searched for these
-_PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
-_LOOK: Final = b"."  # there is a job, it is begun, or there is an answer
+CONSTS.sleep_unit = 0.02  # s, after which pebble looks again for a worker that has ended or is late
 
 
 def start_method() -> str:
@@ -91,84 +90,73 @@ def _output_to(path: str) -> contextlib.AbstractContextManager[None]:
     return contextlib.nullcontext() if os.environ.get(SHOW_OUTPUT) else silenced(path)
 
 
-class Worker:
-    """A worker process and the job that it has; it has been ``used`` once it has finished any."""
+class _Context:
+    """The start of the one process of a pool of pebble's; a pool whose process has ended is not filled again."""
 
-    job: tuple[int, bytes, bytes, Bounds]  # index, function and arguments, pickled, and bounds
+    def __init__(self) -> None:
+        self._context = multiprocessing.get_context(start_method())
+        self.process: _Process | None = None
 
-    def __init__(self, module: str) -> None:
-        """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
-        self.used = self.has_died = False
-        self.place = Path(util.get_temp_dir()) / uuid4().hex
-        try:
-            self.wire, theirs = socket.socketpair()
-            self.wire.setblocking(False)
-            start_server([module])
-            context: Any = multiprocessing.get_context(start_method())
-            self.process = context.Process(target=_serve, args=(theirs, str(self.place)), daemon=True)
-            with theirs, _main_module_hidden():
-                self.process.start()
-        except (OSError, EOFError) as error:
-            raise _start_error(f"{type(error).__name__}: {error}") from error
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - pipes and locks
+        """Whatever else pebble asks of a context."""
+        return getattr(self._context, name)
 
-    def begin(self, job: tuple[int, bytes, bytes, Bounds]) -> None:
-        """Give it a job; its time begins when the worker takes it."""
-        self.job, self.deadline = job, math.inf
-        _, function, arguments, bounds = job
-        self.place.with_suffix(".job").write_bytes(pickle.dumps((function, arguments, bounds.memory)))
-        with contextlib.suppress(OSError):  # a process that has ended is seen by its end of the wire
-            self.wire.send(_LOOK)
+    def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - the name that pebble calls
+        """A pipe from which whatever an engine has written is an OSError, as pebble expects of a broken one."""
+        reader, writer = self._context.Pipe(duplex)
+        reader.recv = functools.partial(_received, reader)  # type: ignore[method-assign]
+        return reader, writer
 
-    def has_ended(self) -> bool:
-        """Whether its job has ended: with an answer, with the process, or over its time."""
-        try:
-            heard = self.wire.recv(_OUTPUT_END)
-        except BlockingIOError:
-            return self.is_late or not self.process.is_alive()
-        except OSError:
-            return True
-        if self.deadline == math.inf:
-            self.deadline = time.monotonic() + self.job[-1].seconds
-        return not heard or self._answer.exists()
+    def Process(self, **arguments: Any) -> _Process:  # noqa: ANN401, N802 - the name that pebble calls
+        """The process; raises OSError for a second one."""
+        if self.process is not None:
+            raise OSError("the process of this pool has ended")
+        self.process = _Process(self._context.Process(**arguments))  # type: ignore[attr-defined]
+        return self.process
+
+
+def _received(reader: Connection) -> object:
+    try:
+        return type(reader).recv(reader)
+    except (EOFError, OSError):
+        raise
+    except Exception as error:  # as raised by bytes that are none of a pickled object
+        raise OSError from error
+
+
+class _Process:
+    """A process of multiprocessing that is killed at once, with all that it has started."""
+
+    def __init__(self, process: Any) -> None:  # noqa: ANN401 - each start has a class of its own
+        self._process = process
+        process.daemon = True
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        """Whatever else pebble asks of a process."""
+        return getattr(self._process, name)
+
+    def start(self) -> None:
+        """Start it without the main module."""
+        with _main_module_hidden():
+            self._process.start()
+
+    def terminate(self) -> None:
+        """Kill the process and its group, whatever they are doing."""
+        if hasattr(os, "killpg"):
+            with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or no longer
+                os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
 
     @property
-    def _answer(self) -> Path:
-        return self.place.with_suffix(".answer")
+    def exitcode(self) -> int | None:
+        """Its exit code, None while it runs; never 0, which pebble takes for an end that it has asked for."""
+        code: int | None = self._process.exitcode
+        return _CLEAN_EXIT if code == 0 else code
 
-    @property
-    def is_late(self) -> bool:
-        """Whether its job is over its time."""
-        return time.monotonic() >= self.deadline
-
-    def result(self) -> Any:  # noqa: ANN401 - whatever the function returns
-        """The result of its job, or how that was lost."""
-        try:
-            content = self._answer.read_bytes()
-            self._answer.unlink()
-        except FileNotFoundError:
-            if self.is_late:
-                return Lost(Failure.TIMED_OUT, f"took longer than {self.job[-1].seconds:g} s")
-            self.has_died = True
-            return self._crash()
-        try:
-            return pickle.loads(content)
-        except Exception as fault:  # as raised by an object of a job
-            return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
-
-    def _crash(self) -> Lost:
-        """How the process ended in its job; raises LinkproofError if it never began one."""
-        reason, output = self._end(), self.place.with_suffix(".txt")
-        if not output.exists():
-            raise _start_error(f"one that {reason} at its start")
-        written = output.read_bytes()[-_OUTPUT_END:]
-        if any(words in written for words in _NO_MEMORY):
-            return lost(MemoryError(), self.job[-1].memory)
-        return Lost(Failure.CRASHED, reason)
-
-    def _end(self) -> str:
+    def end(self) -> str:
         """How the process ended, within 2 s from now."""
-        self.process.join(_EXIT_TIMEOUT)
-        code: int | None = self.process.exitcode
+        self._process.join(_EXIT_TIMEOUT)
+        code: int | None = self._process.exitcode
         if code is None:
             return "broke its connection"
         if code >= 0:
@@ -177,24 +165,67 @@ class Worker:
             return f"died by signal {-code} ({signal.Signals(-code).name})"
         return f"died by signal {-code}"
 
+
+class Worker:
+    """A worker process and the job that it has; it has been ``used`` once it has finished any."""
+
+    job: tuple[int, bytes, bytes, Bounds]  # index, function and arguments, pickled, and bounds
+
+    def __init__(self, module: str) -> None:
+        """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
+        self.used = self.has_died = False
+        try:
+            start_server([module])
+            self.output = Path(util.get_temp_dir()) / f"{uuid4().hex}.txt"
+            context = _Context()
+            self.pool = ProcessPool(1, initializer=_prepare, initargs=(str(self.output),), context=context)
+            self.is_usable()  # which starts it
+        except (OSError, EOFError, BrokenExecutor) as error:
+            cause = error.__cause__ or error
+            raise _start_error(f"{type(cause).__name__}: {cause}") from error
+        assert context.process is not None
+        self.process = context.process
+
+    def is_usable(self) -> bool:
+        """Whether the process and its pipes are as they should be."""
+        return bool(self.pool.active)
+
+    def begin(self, job: tuple[int, bytes, bytes, Bounds]) -> Future[bytes]:
+        """The pickled result of a job to come; its time begins when the worker takes it."""
+        self.job, (_, function, arguments, bounds) = job, job
+        return self.pool.schedule(
+            _run_job, (function, arguments, bounds.memory, str(self.output)), timeout=bounds.seconds
+        )
+
+    def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
+        """The result of its job, or how that was lost."""
+        error = future.exception() if future.done() else BrokenExecutor()
+        if isinstance(error, TimeoutError):
+            return Lost(Failure.TIMED_OUT, f"took longer than {self.job[-1].seconds:g} s")
+        if error is not None:
+            self.has_died = True
+            return self._crash()
+        try:
+            return pickle.loads(future.result())
+        except Exception as fault:  # as raised by an object of a job
+            return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
+
+    def _crash(self) -> Lost:
+        """How the process ended in its job; raises LinkproofError if it never began one."""
+        reason = self.process.end()
+        if not self.output.exists():
+            raise _start_error(f"one that {reason} at its start")
+        written = self.output.read_bytes()[-_OUTPUT_END:]
+        if any(words in written for words in _NO_MEMORY):
+            return lost(MemoryError(), self.job[-1].memory)
+        return Lost(Failure.CRASHED, reason)
+
     def stop(self) -> None:
         """Kill the process, whatever it is doing, and all that it has started."""
-        if hasattr(os, "killpg"):
-            with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or no longer
-                os.killpg(self.process.pid, signal.SIGKILL)
-        self.process.kill()
-        self.process.join(_EXIT_TIMEOUT)
-        self.wire.close()
-        for kind in (".job", ".answer", ".txt"):
-            self.place.with_suffix(kind).unlink(missing_ok=True)
-
-
-def ended(workers: Sequence[Worker]) -> list[Worker]:
-    """The workers whose jobs have ended; waits for the first, a second at most."""
-    left = min(worker.deadline for worker in workers) - time.monotonic()
-    signs = [sign for worker in workers for sign in (worker.wire, worker.process.sentinel)]
-    wait(signs, min(max(left, 0.0), _PULSE))
-    return [worker for worker in workers if worker.has_ended()]
+        self.pool.stop()  # type: ignore[no-untyped-call]
+        self.process.terminate()
+        self.pool.join()
+        self.output.unlink(missing_ok=True)
 
 
 def _start_error(what: str) -> LinkproofError:
@@ -205,27 +236,12 @@ def _start_error(what: str) -> LinkproofError:
 # What runs in a worker.
 
 
-def _serve(wire: socket.socket, place: str) -> None:
-    """Do the jobs at a place, one after the other, until the other end of the wire is closed."""
-    path = Path(place)
-    output, answer = str(path.with_suffix(".txt")), path.with_suffix(".answer")
-    _prepare(output)
-    while wire.recv(1):
-        wire.send(_LOOK)
-        function, job, memory = pickle.loads(path.with_suffix(".job").read_bytes())
-        done = _run_job(function, job, memory, output)
-        path.with_suffix(".part").write_bytes(done)
-        path.with_suffix(".part").replace(answer)
-        wire.send(_LOOK)
-
-
 def _prepare(output: str) -> None:
     """Make this process a worker, which has a group of its own, writes no core dumps and ends with its parent.
 
     The file of its output is there once the worker is.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # SIGINT is ignored already
     if not os.environ.get(SHOW_OUTPUT):
         faulthandler.disable()  # a forked one writes to where its parent's did
     # Temporary files are in the folder of the command's own, which goes with the command.

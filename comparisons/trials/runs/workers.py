@@ -8,8 +8,9 @@ from __future__ import annotations
 import contextlib
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from analytic.machine_code import cores
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, lost
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 R = TypeVar("R")
 Begun = Callable[[int], object]
+
+_PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not interrupt a wait
 
 
 def most_processes() -> int:
@@ -70,7 +73,7 @@ class LocalPool:
     processes: int | None = None
     lasts: bool = False
     _free: list[Worker] = field(default_factory=list, init=False, repr=False, compare=False)
-    _busy: list[Worker] = field(default_factory=list, init=False, repr=False, compare=False)
+    _busy: dict[Future[bytes], Worker] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def run(
         self,
@@ -105,22 +108,24 @@ class LocalPool:
 
     def _worker(self, module: str) -> Worker:
         """A worker that is free, or a new one for jobs of a module; raises LinkproofError where there can be none."""
+        while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
+            self._free.pop().stop()
         from comparisons.trials.runs.worker_process import Worker  # noqa: PLC0415  lacks modules in a browser
 
         return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
         begun(job[0])
-        worker.begin(job)
-        self._busy.append(worker)
+        self._busy[worker.begin(job)] = worker
 
     def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
         """Wait for results; the job that a used worker died of begins once more in a new one."""
-        from comparisons.trials.runs.worker_process import ended  # noqa: PLC0415
-
-        for worker in ended(self._busy):
-            result = worker.result()
-            self._busy.remove(worker)
+        wait(self._busy, _PULSE, FIRST_COMPLETED)
+        for future, worker in list(self._busy.items()):
+            if not future.done() and worker.is_usable():
+                continue
+            result = worker.result(future)
+            del self._busy[future]
             if isinstance(result, Lost) and result.outcome in (Failure.CRASHED, Failure.TIMED_OUT):
                 worker.stop()  # its state is not known
             else:
@@ -133,9 +138,11 @@ class LocalPool:
 
     def close(self) -> None:
         """Kill the workers, busy or not."""
-        workers = (*self._free, *self._busy)
+        workers = (*self._free, *self._busy.values())
         self._free.clear()
         self._busy.clear()
+        for worker in workers:
+            worker.pool.stop()  # type: ignore[no-untyped-call]
         for worker in workers:
             worker.stop()
 
