@@ -20,7 +20,7 @@ Tables = Annotated[list[_T], FailFast()]  # the first fault is enough for the me
 class TomlTable(BaseModel):
     """A TOML table that accepts no key it does not know."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Polar(TomlTable):

@@ -35,8 +35,9 @@ if TYPE_CHECKING:
 
     from reports.designs.linkages import Check, New
     from reports.designs.shelves import Listing
-    from reports.studies.designs import LazySweep, Optimisation, Results, Sweep, Tolerance
+    from reports.studies.designs import LazySweep, Optimisation, Sweep, Tolerance
     from reports.studies.judged import Judgement
+    from reports.studies.results import Results
 
 STILL = SteadyMotion()
 USUAL = Motion()
@@ -120,7 +121,7 @@ def results(
     from comparisons.designer.linkage_check import check_slips
     from reports.api.linkages import resolve
     from reports.api.motions import requested_results
-    from reports.studies.designs import Results
+    from reports.studies.results import Results
 
     chosen, _, motion = resolve(mechanism, motion)
     if strict:

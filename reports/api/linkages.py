@@ -7,8 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-import tomlkit
-
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, in_variant, load, read
@@ -24,6 +22,8 @@ Moved = TypeVar("Moved", Motion, SteadyMotion)
 def linkage_file(given: LinkageLike) -> LinkageFile:
     """The file of a linkage; raises LinkproofError for one that was changed in Python, since its file is another."""
     if isinstance(given, Mapping):
+        import tomlkit  # noqa: PLC0415 - files are read without it
+
         name = str(given.get("title", "linkage"))
         return LinkageFile(name, f"linkage '{name}'", tomlkit.dumps(given))
     if not isinstance(given, Linkage):

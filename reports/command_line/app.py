@@ -51,7 +51,7 @@ study_command(
     },
 )  # fmt: skip
 study_command(
-    app, "results", designer.results, study=f"{STUDIES}:Results", form=ResultsFiles,
+    app, "results", designer.results, study="reports.studies.results:Results", form=ResultsFiles,
     summary="Peaks, bearing forces and every signal of one linkage, without an engine.",
     offers={
         "out": "Write a page with the linkage in motion into this folder.",
