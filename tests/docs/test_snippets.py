@@ -30,7 +30,14 @@ SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
 MEASURING = {"compare", "bench", "stress"}
 LONG = {"bench", "stress"}
-PAGES_RUN = [page for page in PAGES if page.name != OWN_TEST]
+SLOW = "designs.md"  # it searches and compiles, as do the tests of its commands
+# Each page as it is, and in a short form.
+PAGES_RUN = [
+    pytest.param(page, whole, marks=pytest.mark.nightly if whole or page.name == SLOW else ())
+    for whole in (False, True)
+    for page in PAGES
+    if page.name != OWN_TEST
+]
 
 
 def blocks(page):
@@ -90,8 +97,7 @@ def shell(tmp_path_factory):
     return run
 
 
-@pytest.mark.parametrize("is_whole", [False, pytest.param(True, marks=pytest.mark.nightly)], ids=["quick", "whole"])
-@pytest.mark.parametrize("page", PAGES_RUN, ids=lambda page: page.stem)
+@pytest.mark.parametrize(("page", "is_whole"), PAGES_RUN, ids=lambda one: getattr(one, "stem", None))
 def test_a_page_shows_what_its_commands_print(page, is_whole, shell, tmp_path):
     lay_out(tmp_path)
     for name, text in FILE.findall(page.read_text(encoding="utf-8")):

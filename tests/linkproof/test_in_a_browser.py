@@ -9,8 +9,8 @@ from tests.sources import ROOT
 RUNNING = f"""
 import sys
 sys.path.insert(0, {str(ROOT)!r})
-for name in ("_multiprocessing", "_posixshmem", "_sqlite3", "curses", "dask", "distributed", "fcntl", "grp", "llvmlite",
-             "numba", "pebble", "pwd", "resource", "sqlite3", "termios"):
+for name in ("_multiprocessing", "_posixshmem", "_sqlite3", "curses", "dask", "distributed", "ezdxf", "fcntl", "grp",
+             "llvmlite", "numba", "openpyxl", "pebble", "pwd", "resource", "sqlite3", "termios"):
     sys.modules[name] = None
 import os, subprocess, threading
 

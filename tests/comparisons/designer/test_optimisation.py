@@ -110,6 +110,7 @@ def test_kept_figures_that_nothing_moves_or_that_say_the_same_do_not_hinder():
     assert found.values[1, 1:4] == pytest.approx(found.values[0, 1:4], rel=1e-9)
 
 
+@pytest.mark.nightly
 def test_searching_everywhere_does_not_miss_the_least():
     # The stroke has a least value near 172.7 mm, where the file's design leads, and a lower one at the bound.
     alone, several = (

@@ -62,6 +62,9 @@ def value(of: Mechanism, quantity: str, **keys: object) -> float:
     return published_figure(of, Published(quantity=quantity, value=0.0, place="", **keys))
 
 
+SLOW = ("n-four-bar", "two-crank-takeup", "shaper-quick-return")
+
+
 @cache
 def records(name):
     return compare_published([load(name, variant) for variant in load(name).variants])
@@ -70,7 +73,7 @@ def records(name):
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.nightly] * (name == "n-four-bar"))
+        pytest.param(name, marks=pytest.mark.nightly if name in SLOW else ())
         for name in (*catalogue(), *literature())
         if load(name).published
     ],
@@ -157,6 +160,7 @@ def test_notes_of_the_sources_are_computed():
         assert f"{10756 * inertia:.2f}" == {"corrected": "0.63", "W+1": "0.72"}[variant]
 
 
+@pytest.mark.nightly
 def test_an_engine_refutes_the_model_as_printed():
     """Article 001, equation (10): `direct` knows neither model, and moves as the corrected one."""
     right, misprint = (Mechanism(load("two-crank-takeup", variant)) for variant in ("corrected", "as-printed"))

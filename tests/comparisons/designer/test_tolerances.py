@@ -165,6 +165,7 @@ def test_designs_that_do_not_assemble_are_counted_and_none_at_all_is_told():
         study(samples=1)
 
 
+@pytest.mark.nightly
 def test_where_there_is_no_closed_form_derivatives_are_differences():
     sample, heard = driven("ternary-on-rods"), []
     asked = Tolerances(("Mkr@30",), None, {"crank.A.x": 0.01})

@@ -190,9 +190,8 @@ def findings(name, monkeypatch, checks):
     return {check: each.finding for check, each in results.items()}
 
 
-@pytest.mark.parametrize(
-    "name", [name if name == "mujoco" else pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", OTHERS)
 def test_an_engine_keeps_the_contract(name, monkeypatch):
     assert Finding.PASSED in findings(name, monkeypatch, [n for n in CHECKS if not n.startswith(MUTANT)]).values()
 
