@@ -11,12 +11,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import venv
 from pathlib import Path
 
 from tests.docs.test_snippets import FILE, MEASURING, SETTING_UP, agrees, blocks, commands
 
 ROOT = Path(__file__).parents[2]
+PLACEHOLDER = "example.org"  # of the owner's addresses, which stand in pyproject.toml alone
 README = ROOT / "README.md"
 EXTRAS = "exudyn"  # what README's commands need
 CHECKER = "mypy"
@@ -116,14 +118,18 @@ def _differences(command: str, shown: str, done: subprocess.CompletedProcess[str
 
 
 def main() -> int:
-    """Build and check both; returns 1 where anything fails."""
+    """Build and check both; returns 1 where anything fails, or an address of the owner's is a placeholder."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    unset = [name for name, address in project["urls"].items() if PLACEHOLDER in address]
+    if unset:
+        print(f"pyproject.toml, [project.urls]: {', '.join(unset)} is a placeholder; give the owner's address")
     folder = Path(sys.argv[1]).resolve()
     shutil.rmtree(folder, ignore_errors=True)
     subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder)], cwd=ROOT, check=True)
     failures = {package.name: checked(package) for package in sorted(folder.iterdir())}
     for name, faults in failures.items():
         print(f"{name}: {'passed' if not faults else 'failed'}", *faults, sep="\n")
-    return 1 if any(failures.values()) else 0
+    return 1 if unset or any(failures.values()) else 0
 
 
 if __name__ == "__main__":
