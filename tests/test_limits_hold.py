@@ -9,10 +9,9 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest, compare
-from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.invariants.checks import INVARIANTS
 from comparisons.trials.judging.changes import CLOSED_FORM, changes, read_rows
-from comparisons.trials.judging.limits import shipped_limits
 from comparisons.trials.judging.quantities import all_quantities
 from engines.contract import Setting
 from engines.registry import own_names
@@ -53,6 +52,6 @@ def test_every_deviation_is_within_its_limit_and_as_recorded(mechanism, engine_n
 def test_the_figures_of_the_closed_form_are_those_recorded():
     linkages, motions = tuple(map(load, catalogue())), tuple(map(crank_motion, REGIMES))
     request = CampaignRequest(linkages, motions, Motion().conditions, ())
-    judged = JudgedCampaign(request, shipped_limits(), (), BASELINE, every_variant=True)
-    assert [change.sentence for change in judged.changes] == []
-    assert {row[:7] for row in judged.rows} == {row[:7] for row in BASELINE if row.engine == CLOSED_FORM}
+    figures = closed_form(request, every_variant=True)
+    assert [change.sentence for change in changes_since(BASELINE, figures, request, every_variant=True)] == []
+    assert {row[:7] for row in figures} == {row[:7] for row in BASELINE if row.engine == CLOSED_FORM}

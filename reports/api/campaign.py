@@ -17,13 +17,13 @@ from analytic.description.loading import LinkageFile, catalogue, known_names, lo
 from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
 from comparisons.trials.campaign.campaign import CampaignRequest, each_case, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
-from comparisons.trials.campaign.results import Results, document, save
+from comparisons.trials.campaign.results import Results, document, judgement, save
 from comparisons.trials.campaign.results import load as load_results
-from comparisons.trials.campaign.standard import JudgedCampaign
+from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.exported_run import exported
 from comparisons.trials.judging.changes import read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
-from comparisons.trials.judging.records import Error
+from comparisons.trials.judging.records import Error, Run
 from comparisons.trials.runs.cluster import DaskPool
 from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.plugins import engines as adapters
@@ -268,22 +268,25 @@ class Campaign:
             runs = run_campaign(
                 asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=self.limits
             )
-            runs.make()
-            judged = JudgedCampaign(asked, self.limits, runs, self.before, self.every_variant)
-            table = self._document(judged, len(todo), is_saved=folder is not None)
+            table = self._document(runs, is_saved=folder is not None)
             if folder is not None:
                 save(folder, table, runs)
         remark = "" if given["engine"] else missing_engines(asked.engines)
         result = Comparison(Results(table, runs)) if folder is None else Comparison.load(folder)
         return replace(result, processes=self.resources.processes, remark=remark)
 
-    def _document(self, judged: JudgedCampaign, count: int, *, is_saved: bool) -> dict[str, Any]:
+    def _document(self, runs: Sequence[Run], *, is_saved: bool) -> dict[str, Any]:
         """Everything but the runs, JSON-ready; of more than one run, how many are made side by side."""
         readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(self.request.engines)}
         table = document(self.request, self.command + (" --out DIR" if is_saved else ""), readouts)
-        beside = min(self.resources.processes, count)
+        figures, changed = closed_form(self.request, every_variant=self.every_variant), ()
+        if self.before is not None:
+            rows = (*(error for run in runs for error in run.every), *figures)
+            changed = changes_since(self.before, rows, self.request, every_variant=self.every_variant)
+        beside = min(self.resources.processes, len(runs))
         concurrent = {CONCURRENT_RUNS: str(beside)} if beside > 1 else {}
-        return {**table, **judged.as_dict, "environment": table["environment"] | concurrent}
+        judged = judgement(self.limits, figures, changed)
+        return {**table, **judged, "environment": table["environment"] | concurrent}
 
 
 def script(asked: CampaignRequest, file: Path, command: str) -> Script:

@@ -107,26 +107,6 @@ def _checked_case(case: Case) -> Case:
     return case
 
 
-@dataclass(frozen=True)
-class CampaignRuns(Iterable[Run]):
-    """The runs of a campaign in the order of its tasks: made when they are first gone through, then read back.
-
-    In every pass each is judged by the ``limits``; runs do not stay in memory.
-    """
-
-    study: Study[Run]
-    tasks: Sequence[Task]
-    bounds: Bounds
-    limits: LimitTable
-
-    def make(self) -> None:
-        """Make the runs that are not stored yet."""
-        self.study.complete(self.tasks, self.bounds)
-
-    def __iter__(self) -> Iterator[Run]:
-        return (run.judged(self.limits.judge) for run in self.study.in_order(self.tasks, self.bounds))
-
-
 def compare(
     request: CampaignRequest,
     announce: Announce = lambda *_: None,
@@ -136,8 +116,8 @@ def compare(
     finished: Runs | None = None,
     todo: Sequence[Task] = (),
     limits: LimitTable | None = None,
-) -> CampaignRuns:
-    """The runs of a request, judged by the suite's limits or others, made in parallel as they are gone through.
+) -> tuple[Run, ...]:
+    """The runs of a request, in its order, judged by the suite's limits or others; their curves stay in the store.
 
     ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
     made in the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is
@@ -149,7 +129,8 @@ def compare(
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
     study = Study(judged, lost, Run.written, Run.from_row, finished, announce, where)
-    return CampaignRuns(study, todo, bounds, limits or shipped_limits())
+    table = limits or shipped_limits()
+    return tuple(run.judged(table.judge) for run in study.complete(todo, bounds))
 
 
 def lost(failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool) -> Run:

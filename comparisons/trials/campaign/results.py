@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, NotRequired
@@ -25,8 +25,7 @@ from comparisons.trials.campaign.saved_linkages import (
     linkage_row,
     motion_row,
 )
-from comparisons.trials.campaign.standard import KeyFigure
-from comparisons.trials.judging.changes import Change
+from comparisons.trials.judging.changes import CLOSED_FORM, Change
 from comparisons.trials.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
 from comparisons.trials.judging.records import Error, Run
 from comparisons.trials.runs.environment import environment
@@ -40,6 +39,18 @@ class DescriptionRow(LinkageRow):
     """A linkage as it was described, and a checksum of its text."""
 
     checksum: str
+
+
+class KeyFigure(TypedDict):
+    """A key figure of a linkage under a motion, SI, in its unit."""
+
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    figure: str
+    value: float
+    unit: str
 
 
 class SavedCampaign(TypedDict):
@@ -92,9 +103,12 @@ class Results:
         return table_from_rows(self.document["limits"]) if "limits" in self.document else shipped_limits()
 
     @cached_property
-    def figures(self) -> tuple[KeyFigure, ...]:
+    def figures(self) -> tuple[Error, ...]:
         """Key figures of every linkage and motion."""
-        return tuple(KeyFigure(**row) for row in self.document.get("figures", ()))
+        rows = (tuple(row[name] for name in KeyFigure.__annotations__) for row in self.document.get("figures", ()))
+        return tuple(
+            Error(*motion, CLOSED_FORM, "", figure, unit, value, outcome="") for *motion, figure, value, unit in rows
+        )
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
@@ -104,7 +118,7 @@ class Results:
     @property
     def rows(self) -> list[Error]:
         """The rows of all errors and figures."""
-        return [*self.records, *self.invariants, *(figure.row for figure in self.figures)]
+        return [*self.records, *self.invariants, *self.figures]
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
@@ -143,6 +157,16 @@ def document(
         "readouts": dict(readouts or {}),
         "motions": [motion_row(motion) for motion in request.motions],
         "descriptions": [{**linkage_row(linkage), "checksum": checksum(linkage.text)} for linkage in request.linkages],
+    }
+
+
+def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Change]) -> dict[str, Any]:
+    """The parts of a document by which its runs are judged, JSON-ready."""
+    rows = ((*figure[:4], figure.quantity, figure.error_max, figure.unit) for figure in figures)
+    return {
+        "limits": limits.as_dict,
+        "figures": [dict(zip(KeyFigure.__annotations__, row, strict=True)) for row in rows],
+        "changes": [{**asdict(entry), "sentence": entry.sentence} for entry in changes],
     }
 
 

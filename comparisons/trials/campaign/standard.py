@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
-from functools import cached_property
-from typing import Any, Final
+from dataclasses import replace
+from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
@@ -19,8 +18,7 @@ from comparisons.designer.figures import MechanismFigure, case_figures, figure_u
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import GRAVITY, CampaignRequest, each_case
 from comparisons.trials.judging.changes import CLOSED_FORM, Change, changes
-from comparisons.trials.judging.limits import LimitTable
-from comparisons.trials.judging.records import Error, Run
+from comparisons.trials.judging.records import Error
 from engines.contract import Setting
 
 USUAL_FIGURES: Final = (
@@ -32,30 +30,14 @@ OUTPUT: Final = "output:point:"  # m, along x and y
 THREAD: Final = "thread:length@0s"  # m, of its contour
 
 
-@dataclass(frozen=True)
-class KeyFigure:
-    """A key figure of a linkage under a motion, SI, in its ``unit``."""
-
-    mechanism: str
-    variant: str
-    regime: str
-    conditions: str
-    figure: str
-    value: float
-    unit: str = ""
-
-    @property
-    def row(self) -> Error:
-        """Its row beside those of errors."""
-        motion = (self.mechanism, self.variant, self.regime, self.conditions)
-        return Error(*motion, CLOSED_FORM, "", self.figure, self.unit, self.value, outcome="")
-
-
-def figures_of_case(case: Case) -> list[KeyFigure]:
-    """The key figures of a case, with their names and units."""
+def figures_of_case(case: Case) -> list[Error]:
+    """The key figures of a case, SI, as rows beside those of errors."""
     linkage = case.mechanism.linkage
-    place = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
-    return [KeyFigure(*place, name, value, _figure_unit(name, linkage)) for name, value in key_figures(case).items()]
+    motion = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
+    return [
+        Error(*motion, CLOSED_FORM, "", name, _figure_unit(name, linkage), value, outcome="")
+        for name, value in key_figures(case).items()
+    ]
 
 
 def key_figures(case: Case) -> dict[str, float]:
@@ -97,60 +79,27 @@ def _figure_unit(name: str, linkage: Linkage) -> str:
         return ""
 
 
-@dataclass(frozen=True)
-class JudgedCampaign:
-    """The ``runs`` of a request, judged by ``limits``; ``before`` are the rows that they are compared with, if any.
+def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> list[Error]:
+    """The key figures of a request's cases; with ``every_variant`` of the linkages' other variants, too.
 
-    ``every_variant``: the figures of the closed form are also those of the linkages' other variants.
+    A variant that cannot follow a motion has none.
     """
+    figures = [figure for case in each_case(request) for figure in figures_of_case(case)]
+    for linkage in request.linkages if every_variant else ():
+        for name in linkage.variants:
+            if name != linkage.variant:
+                other = replace(request, linkages=(parse(linkage.text, linkage.name, linkage.name, name),))
+                with suppress(LinkproofError):
+                    figures += [figure for case in [*each_case(other)] for figure in figures_of_case(case)]
+    return figures
 
-    request: CampaignRequest
-    limits: LimitTable
-    runs: Iterable[Run]
-    before: Sequence[Error] | None = None
-    every_variant: bool = False
 
-    @property
-    def records(self) -> Iterator[Error]:
-        """Every record and invariant, run by run."""
-        return (record for run in self.runs for record in run.every)
-
-    @cached_property
-    def figures(self) -> tuple[KeyFigure, ...]:
-        """The key figures of the closed form."""
-        return tuple(figure for case in self._cases() for figure in figures_of_case(case))
-
-    @property
-    def rows(self) -> list[Error]:
-        """The rows of all errors and figures."""
-        return [*self.records, *(figure.row for figure in self.figures)]
-
-    @cached_property
-    def changes(self) -> tuple[Change, ...]:
-        """What has changed of what was requested; empty if there is nothing to compare with."""
-        if self.before is None:
-            return ()
-        is_asked = asked_rows(self.request, every_variant=self.every_variant)
-        return tuple(changes(*(filter(is_asked, rows) for rows in (self.before, self.rows))))
-
-    @property
-    def as_dict(self) -> dict[str, Any]:
-        """The parts of a campaign's document besides the records, JSON-ready."""
-        return {
-            "limits": self.limits.as_dict,
-            "figures": [asdict(figure) for figure in self.figures],
-            "changes": [{**asdict(entry), "sentence": entry.sentence} for entry in self.changes],
-        }
-
-    def _cases(self) -> Iterator[Case]:
-        """The cases of the request, and those of other variants; a variant that cannot follow a motion has none."""
-        yield from each_case(self.request)
-        for linkage in self.request.linkages if self.every_variant else ():
-            for name in linkage.variants:
-                if name != linkage.variant:
-                    variant = parse(linkage.text, linkage.name, linkage.name, name)
-                    with suppress(LinkproofError):
-                        yield from list(each_case(replace(self.request, linkages=(variant,))))
+def changes_since(
+    before: Iterable[Error], now: Iterable[Error], request: CampaignRequest, *, every_variant: bool = False
+) -> tuple[Change, ...]:
+    """What has changed of what a request asks for since the rows ``before`` were recorded."""
+    is_asked = asked_rows(request, every_variant=every_variant)
+    return tuple(changes(filter(is_asked, before), filter(is_asked, now)))
 
 
 def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Error], bool]:

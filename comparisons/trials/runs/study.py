@@ -78,25 +78,15 @@ class Study(Generic[R]):
                     self._announce(task)
                     yield task
 
-    def complete(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> None:
-        """Make those tasks that have no result yet.
+    def complete(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> list[R]:
+        """Make those tasks that have no result yet; returns the results of all, in their order.
 
         Several processes begin with the heaviest, so that it does not run alone at the end.
         """
-        for _ in self._heaviest_first(tasks, bounds):
+        begun = tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight)
+        for _ in self.make(begun, bounds):
             pass
-
-    def in_order(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> Generator[R, None, None]:
-        """Results in the order of the tasks, each as soon as all before it are there."""
-        self.expect(tasks)
-        with closing(self._heaviest_first(tasks, bounds)) as ended:
-            for task in tasks:
-                while task.key not in self._runs:
-                    next(ended)
-                yield self.result(task.key)
-
-    def _heaviest_first(self, tasks: Sequence[Task], bounds: Bounds) -> Generator[Task, None, None]:
-        return self.make(tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight), bounds)
+        return [self.result(task.key) for task in tasks]
 
     def result(self, key: str) -> R:
         """The result of a task that is finished, read back; raises KeyError for any other."""

@@ -11,9 +11,8 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest
-from comparisons.trials.campaign.standard import JudgedCampaign, key_figures
+from comparisons.trials.campaign.standard import changes_since, closed_form, key_figures
 from comparisons.trials.judging.changes import CLOSED_FORM, COLUMNS, changes, read_rows, write_rows
-from comparisons.trials.judging.limits import shipped_limits
 from comparisons.trials.judging.records import Error
 from engines.contract import Setting
 
@@ -26,8 +25,9 @@ FORCE = FIGURE._replace(quantity="joint_force:A.peak")
 LARGE = FIGURE._replace(quantity="Mkr.rms")
 
 
-def judged(request=REQUEST, before=None, *, every_variant=False):
-    return JudgedCampaign(request, shipped_limits(), (), before, every_variant)
+def changed(before, request=REQUEST, *, every_variant=False):
+    now = closed_form(request, every_variant=every_variant)
+    return changes_since(before, now, request, every_variant=every_variant)
 
 
 def _heavier(share: float):
@@ -39,9 +39,9 @@ def _heavier(share: float):
 
 @pytest.mark.parametrize("every_variant", [False, True])
 def test_a_mass_changed_by_a_hundred_thousandth_is_seen(every_variant):
-    before = judged(every_variant=every_variant).rows
-    assert judged(before=before, every_variant=every_variant).changes == ()
-    found = judged(replace(REQUEST, linkages=(_heavier(1e-5),)), before, every_variant=every_variant).changes
+    before = closed_form(REQUEST, every_variant=every_variant)
+    assert changed(before, every_variant=every_variant) == ()
+    found = changed(before, replace(REQUEST, linkages=(_heavier(1e-5),)), every_variant=every_variant)
     assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.place[-1] for one in found}
     assert all(re.search(r" was \S+ (N|N m|W|kg m²), and is .* %$", one.sentence) for one in found)
     assert {one.place[1] for one in found} == ({"as-built", "as-printed"} if every_variant else {"as-built"})
@@ -68,23 +68,23 @@ RECORDED = Error("juki-mf7923d", "as-built", "run-up", "c, gravity on", "pymunk"
 )
 def test_what_is_asked_for_and_not_there_any_more_has_vanished(other, is_asked):
     row = RECORDED._replace(**other)
-    vanished = [change.place[-1] for change in judged(before=[row]).changes if change.fails]
+    vanished = [change.place[-1] for change in changed([row]) if change.fails]
     assert vanished == [row.quantity] * is_asked
     narrow = replace(REQUEST, quantities=("Jeq",))
-    assert not any(change.fails for change in judged(narrow, [RECORDED]).changes)
+    assert not any(change.fails for change in changed([RECORDED], narrow))
 
 
 def test_a_regime_of_a_file_is_the_same_whatever_its_conditions_are():
     linkage = load("two-crank-takeup")
     request = CampaignRequest((linkage,), (), "", ("pymunk",), own_regimes=("driven",))
     row = Error(linkage.name, linkage.variant, "driven", "released at 7°", "pymunk", "tuned", "phi", error_max=1e-6)
-    vanished = [change.place[-1] for change in judged(request, [row]).changes if change.fails]
+    vanished = [change.place[-1] for change in changed([row], request) if change.fails]
     assert vanished == ["phi"]
 
 
 def test_figures_are_the_peaks_of_the_motion():
     found = key_figures(Case(Mechanism(LINKAGE), crank_motion("run-up"), conditions="c"))
-    assert {one.figure: one.value for one in judged().figures} == found
+    assert {one.quantity: one.error_max for one in closed_form(REQUEST)} == found
     assert found["Peq.peak"] == pytest.approx(found["Mkr.peak"] * 104.72, rel=0.05)  # near full speed
     kinds = {"Mkr", "Peq", "Jeq", "joint_force", "S", "stroke", "v", "a", "transmission_angle", "point", "output"}
     assert {name.partition(":")[0].partition(".")[0] for name in found} == kinds

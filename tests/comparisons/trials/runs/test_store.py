@@ -299,14 +299,14 @@ def test_several_processes_begin_with_the_heaviest(monkeypatch):
             yield number, function(*arguments)
 
     monkeypatch.setattr(LocalPool, "run", run)
-    assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
+    assert study(pool=LocalPool(2)).complete(TASKS) == [1, 3, 2]
     assert begun == [3, 2, 1]
 
 
 def test_a_task_requested_twice_is_made_once():
     made = []
     twice = study(function=lambda kind, value: made.append(value) or value)
-    assert list(twice.in_order([*TASKS, TASKS[0]])) == [1, 3, 2, 1]
+    assert twice.complete([*TASKS, TASKS[0]]) == [1, 3, 2, 1]
     assert [task.key for task in twice.make(TASKS)] == []
     assert sorted(made) == [1, 2, 3]
 
@@ -324,9 +324,9 @@ def test_finished_tasks_are_not_made_again(tmp_path):
     assert runs.keys == ["task 1"]
     heard = []
     again = study(finished=runs, announce=lambda *words: heard.append(words))
-    assert list(again.in_order(TASKS)) == [1, 3, 2]
+    assert again.complete(TASKS) == [1, 3, 2]
     assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
-    assert list(study(finished=runs, function=failing).in_order(TASKS)) == [1, 3, 2]
+    assert study(finished=runs, function=failing).complete(TASKS) == [1, 3, 2]
 
 
 # Files appear whole or not at all.
