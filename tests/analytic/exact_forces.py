@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from mpmath import mp, mpf
 
-from analytic.description.linkage import GROUND
+from analytic.description.linkage import GROUND, Linkage, Vector
 from tests.analytic.fifty_digits import Exact, Frames, equations
 
 TINY = mpf(10) ** -20  # m or rad, of differences of the equations
+SAME = mpf(10) ** -40
+Push = tuple[str, tuple[mpf, mpf], mpf, mpf, mpf]  # body, point in its own axes, force and moment in the ground's
 
 
 def signals_of(exact: Exact, speed: float) -> dict[str, mpf]:
@@ -40,14 +42,54 @@ def _timed(parts: tuple[mpf, mpf, mpf], speed: mpf) -> tuple[mpf, mpf, mpf]:
 
 
 def forces_of(exact: Exact, speed: float) -> dict[str, mpf]:
-    """Joint forces by the names of ``analytic.signals``: what the multipliers of a joint do to the body it acts on."""
-    return dict(_forces(exact, mpf(speed)))
+    """Joint forces by the names of ``analytic.signals``: what the multipliers of a joint do to the body it acts on.
+
+    The drive's torque is among them. Friction is put in again and again until no force changes in 40 digits.
+    """
+    slopes, before = _slopes(exact.states[0], exact.angle), dict[str, mpf]()
+    found = dict(_forces(exact, slopes, mpf(speed), ()))
+    while exact.linkage.friction and max(abs(f - before.get(k, 0)) for k, f in found.items()) > SAME * abs(
+        found["Mkr"]
+    ):
+        before, found = found, dict(_forces(exact, slopes, mpf(speed), _friction(exact, mp.sign(speed), found)))
+    return found
 
 
-def _forces(exact: Exact, speed: mpf) -> Iterator[tuple[str, mpf]]:
-    linkage, bodies, here = exact.linkage, list(exact.linkage.links), exact.states[0]
-    slopes = _slopes(here, exact.angle)
-    multipliers = mp.lu_solve(slopes.T, -_loads(exact, speed))
+def _friction(exact: Exact, sense: int, forces: Mapping[str, mpf]) -> Iterator[Push]:
+    """What friction is on every body where the joints have these ``forces``, for a crank that turns in a ``sense``."""
+    linkage, here, none = exact.linkage, exact.states[0], (mpf(0), mpf(0))
+    rubs = {joint: (mpf(own.coefficient), mpf(own.radius)) for joint, own in linkage.friction.items()}
+    for pin in linkage.pins if rubs else ():
+        for joint, link in pin.joints.items() if pin.point in rubs else ():
+            size = mp.hypot(*(forces[f"joint_force:{joint}:{axis}"] for axis in "xy"))
+            moment = mp.fprod(rubs[pin.point]) * size * sense * mp.sign(exact.turn(link)[1] - exact.turn(pin.hub)[1])
+            yield from ((link, none, mpf(0), mpf(0), -moment), (pin.hub, none, mpf(0), mpf(0), moment))
+    guided = [(slider, slider.link, slider.link) for slider in linkage.sliders]
+    for slot in linkage.slots:
+        carriers = (GROUND, *linkage.links)
+        body = next(b for b in carriers if b != slot.guide.host and slot.point in _points(linkage, b))
+        guided.append((slot, slot.name, body))
+    for joint, key, body in guided:
+        if key in rubs:
+            size = mp.hypot(*(forces[f"joint_force:{joint.name}:{axis}"] for axis in "xy"))
+            host, local, along = joint.guide.host, linkage.local(joint.point, body), joint.guide.along
+
+            def slid(frames: Frames, host=host, body=body, local=local, along=along) -> mpf:
+                return mp.fdot(along, frames.local(host, frames.place(body, local)))
+
+            force = -sense * rubs[key][0] * size * mp.sign(exact.differences(slid)[1])
+            x, y = (force * part / mp.hypot(*along) for part in here.turned(host, along))
+            yield from ((body, local, x, y, mpf(0)), (host, here.local(host, here.place(body, local)), -x, -y, mpf(0)))
+
+
+def _points(linkage: Linkage, body: str) -> Mapping[str, Vector]:
+    return linkage.ground if body == GROUND else linkage.links[body].points
+
+
+def _forces(exact: Exact, slopes: mp.matrix, speed: mpf, pushes: Iterable[Push]) -> Iterator[tuple[str, mpf]]:
+    linkage, bodies = exact.linkage, list(exact.linkage.links)
+    multipliers = mp.lu_solve(slopes.T, -_loads(exact, speed, pushes))
+    yield "Mkr", multipliers[len(multipliers) - 1]
 
     def on(body: str, rows: range) -> tuple[mpf, mpf]:
         column = 3 * bodies.index(body)
@@ -83,8 +125,8 @@ def _slopes(here: Frames, angle: mpf) -> mp.matrix:
     return result
 
 
-def _loads(exact: Exact, speed: mpf) -> mp.matrix:
-    """Loads and inertia forces along the coordinates x, y and θ of every link's frame."""
+def _loads(exact: Exact, speed: mpf, pushes: Iterable[Push]) -> mp.matrix:
+    """Loads, other ``pushes`` and inertia forces along the coordinates x, y and θ of every link's frame."""
     linkage, here = exact.linkage, exact.states[0]
     bodies, total = list(linkage.links), mp.matrix(3 * len(linkage.links), 1)
 
@@ -99,7 +141,7 @@ def _loads(exact: Exact, speed: mpf) -> mp.matrix:
         x, y = exact.point(name, link.centre)
         moment = -mpf(link.inertia or 0.0) * exact.turn(name)[2] * speed**2
         push(name, link.centre, link.mass * (gx - x[2] * speed**2), link.mass * (gy - y[2] * speed**2), moment)
-    for load in exact.loads(speed):
+    for load in (*exact.loads(speed), *pushes):
         push(*load)
     for damper in linkage.dampers:
         one, two = (exact.turn(body)[1] for body in damper.links)

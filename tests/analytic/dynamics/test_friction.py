@@ -4,6 +4,7 @@ from math import asin, degrees
 
 import numpy as np
 import pytest
+from mpmath import mpf
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
@@ -19,6 +20,8 @@ from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.absolute_coordinates import largest_error
 from tests.analytic.drawn_linkages import draw
+from tests.analytic.exact_forces import forces_of
+from tests.analytic.fifty_digits import Exact
 from tests.analytic.linkages import text_of
 from tests.analytic.textbook import PENDULUM
 from tests.engines.closed_form import installed
@@ -43,6 +46,19 @@ def rubbing(number):
 def test_forces_and_torque_are_those_of_a_solution_in_absolute_coordinates(number):
     assert largest_error(rubbing(number), PHI, SPEED) < CLOSE
     assert largest_error(rubbing(number), PHI, -SPEED) < CLOSE
+
+
+@pytest.mark.parametrize(
+    "number", [4, 7, *(pytest.param(n, marks=pytest.mark.nightly) for n in (8, 11, *range(20, 26)))]
+)
+def test_they_are_those_of_a_fixed_point_in_fifty_digits(number):
+    sample = Mechanism(parse(rubbing(number), "drawn", "drawn"))
+    truth = forces_of(Exact(sample.sweep(PHI[number])), SPEED)
+    found = evaluate(sample, PHI, list(truth), speed=SPEED)
+    force = max(np.max(np.abs(found[name])) for name in truth if name != "Mkr")
+    peaks = {name: np.max(np.abs(found[name])) if name == "Mkr" else force for name in truth}
+    errors = {name: abs(float(mpf(float(found[name][number])) - truth[name])) / peaks[name] for name in truth}
+    assert max(errors.values()) < 1e-13, max(errors, key=errors.get)
 
 
 @pytest.mark.nightly
