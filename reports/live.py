@@ -303,6 +303,8 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
                 "point": load.point,
                 "frame": load.frame,
                 "force": load.force(0.0).tolist() if load.force.is_constant else None,
+                "law": _law(load.force, mechanism) if load.force.over == "S" else None,
+                "when": load.force.when,
             }
             for n, load in enumerate(linkage.forces)
         ],

@@ -214,6 +214,17 @@ def test_arrows_point_along_the_joint_forces_of_results(browser, page_of, tmp_pa
         assert seen.faults == []
 
 
+def test_a_load_over_the_stroke_has_its_arrow(browser, page_of, tmp_path):
+    travel = np.array(of_results(tmp_path, TEXTS["laden-press"])["values"]["S"])
+    (stroke,) = (one.force for one in load(str(tmp_path / "copied.toml")).forces if one.force.over == "S")
+    most = np.max(np.hypot(*stroke(travel)))
+    with at_work(browser, page_of("laden-press", TEXTS["laden-press"])) as seen:
+        seen.page.get_by_role("checkbox", name="loads").check()
+        (longest,) = re.findall(r"Longest: loads ([\d.]+) N", seen.page.locator(".live-arrows").inner_text())
+        assert float(longest) == pytest.approx(most, rel=5e-3)
+        assert seen.faults == []
+
+
 def test_a_released_crank_has_the_same_page_without_handles(browser, tmp_path):
     treadle = Path(__file__).parents[1] / "linkages" / "designer" / "treadle.toml"
     done = linkproof("results", treadle, "--regime", "foot", "--out", tmp_path / "out", "--quiet")

@@ -4,7 +4,7 @@ linkproof.liveArrows = (data, model, scheme) => {
   const LONG = 80, FACTORS = [[0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]]; // px
   const { make, choice, toggles, swatch } = linkproof.controls, { length, joints } = data;
   const { isSampled } = data;
-  const loads = data.loads.filter(({ number, force: own }) => isSampled || own || data.laws.some((law) => law.load === number));
+  const loads = data.loads.filter(({ number, force: own, law }) => isSampled || own || law || data.laws.some((law) => law.load === number));
   const points = [...new Set(data.results.map(({ name }) => /^point:(.*):x$/.exec(name)?.[1]).filter(Boolean))];
   const at = (over, name, i) => over.found[model.places.get(name) * over.times.length + i];
   const along = (name, over, i) => ["x", "y"].map((axis) => at(over, `${name}:${axis}`, i));
@@ -23,11 +23,14 @@ linkproof.liveArrows = (data, model, scheme) => {
   const { unit, size } = force ?? { unit: "N", size: 1 };
   const inJoints = (over, i) => joints.map(({ name, point }) => [point, along(`joint_force:${name}`, over, i)]);
   const sampled = (kind) => (over, i) => points.map((point) => [point, along(`${kind}:${point}`, over, i)]);
-  /** A load in the ground's frame, of which a link's own goes with it. */
+  /** A load in the ground's frame, of which a link's own goes with it; one of a stroke acts on its way alone. */
   function outside(over, i, design) {
-    return loads.map(({ number, point, frame, force: own }) => {
+    const [travel, rate] = ["S", "v"].map((name) => (model.places?.has(name) ? at(over, name, i) : 0));
+    return loads.map((load) => {
+      const { number, point, frame, when } = load;
       if (isSampled) return [point, along(`load:${number}`, over, i)];
-      const [x, y] = model.load(number, own, over.phi[i], design), turn = frame === "ground" ? 0 : at(over, `link:${frame}:angle`, i);
+      if (when && (when === "advance") !== (rate >= 0)) return [point, [0, 0]];
+      const [x, y] = model.load(load, over.phi[i], travel, design), turn = frame === "ground" ? 0 : at(over, `link:${frame}:angle`, i);
       return [point, [x * Math.cos(turn) - y * Math.sin(turn), x * Math.sin(turn) + y * Math.cos(turn)]];
     });
   }

@@ -139,10 +139,10 @@ linkproof.liveModel = (formulas, data) => {
     return found;
   }
 
-  /** A force from outside: constant or looked up over φ. */
-  function load(number, force, phi, design) {
-    const law = data.laws.find((one) => one.load === number);
-    return [0, 1].map((k) => (law ? looked(law, k, phi, design) : force[k] * factor(design, number)));
+  /** A force from outside: constant, or looked up over φ or over the output's travel. */
+  function load({ number, force, law: ofTravel }, phi, travel, design) {
+    const law = ofTravel ?? data.laws.find((one) => one.load === number), at = ofTravel ? travel : phi;
+    return [0, 1].map((k) => (law ? looked(law, k, at, design) : force[k] * factor(design, number)));
   }
 
   /** Results at times of a motion; a change of speed makes all of it faster. */
