@@ -1,4 +1,7 @@
-"""What MkDocs makes of these pages: README as the first one, tables from their data, files' names over their blocks."""
+"""What MkDocs makes of these pages: README as the first one, tables from their data, files' names over their blocks.
+
+In place of README's picture the first page has the same linkage as ``results --out`` writes it, which can be pulled at.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from typing import Any
 
 from analytic.description.json_schema import json_schema
 from comparisons.trials.judging.limits import Limit, shipped_limits
+from comparisons.trials.runs.files import STORE
 from reports.document.markdown import table
 from reports.document.numbers import bound
 from reports.document.parts import Mono, Table, Words
@@ -22,6 +26,12 @@ SHOWN = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGEL
          "reports/RESULTS.md": "results.md"}  # fmt: skip
 NAMED_BLOCK = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
 FILE_NAME = re.compile(r"\[(?:docs/)?([\w-]+)\.md\](?=\()")
+LIVING, FOLDER = "coupler-curve", "living"
+PICTURE = re.compile(r"<img [^>]*moving\.svg[^>]*>")
+FRAME = (
+    f'<iframe src="{FOLDER}/index.html" title="The crank-rocker {LIVING} in motion: pull its points" loading="lazy" '
+    'style="width: 100%; height: 36rem; border: 0"></iframe>'
+)
 LINK = re.compile(r"(\]\(|src=\")(?:\.\./)?(?:docs/)?([^)#:\"]+)")
 
 
@@ -48,8 +58,17 @@ def on_files(files: Any, config: Any) -> Any:  # noqa: ANN401
     return files
 
 
+def on_post_build(config: Any, **_: Any) -> None:  # noqa: ANN401
+    """Write the folder of the first page's linkage."""
+    folder = Path(config.site_dir) / FOLDER
+    import_module("linkproof").results(LIVING).write(folder)
+    (folder / STORE).unlink()
+
+
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:  # noqa: ANN401
     """A page's text with its links, the names of its files and what is made from data."""
+    if page.file.src_uri == SHOWN["README.md"]:
+        markdown = PICTURE.sub(FRAME, markdown)
     markdown = FILE_NAME.sub(lambda name: f"[{name[1].replace('-', ' ')}]", markdown)
     text = NAMED_BLOCK.sub(r'```\1 title="\2"', LINK.sub(lambda link: link[1] + SHOWN.get(link[2], link[2]), markdown))
     made = MADE.get(page.file.src_uri)

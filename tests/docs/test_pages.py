@@ -10,7 +10,7 @@ import pytest
 import linkproof
 from analytic.description.json_schema import json_schema
 from comparisons.trials.judging.limits import shipped_limits
-from docs.making.pages import keys, limits, reference
+from docs.making.pages import FOLDER, keys, limits, reference
 from docs.making.tables import renewed
 from tests.pages.browser import PATIENCE, started
 from tests.sources import PACKAGES
@@ -36,6 +36,8 @@ def test_a_page_loads_nothing_from_a_network(site):
     loaded = {next(filter(None, found)) for page in pages for found in LOADED.findall(page.read_text(encoding="utf-8"))}
     assert len(pages) > 15
     assert any(address.startswith("assets/") for address in loaded)
+    assert f"{FOLDER}/index.html" in loaded
+    assert 'data-name="live"' in (site / FOLDER / "index.html").read_text(encoding="utf-8")
     assert not {address for address in loaded if re.match(r"(https?:)?//", address)}
     assert not [sheet for sheet in site.rglob("*.css") if FONTS.search(sheet.read_text(encoding="utf-8"))]
 
