@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-import sympy
-from sympy.physics.mechanics import KanesMethod, Point, ReferenceFrame, RigidBody, dynamicsymbols, inertia
 
 from comparisons.trials.conformance.trial import case
 from engines.contract import Setting
@@ -21,6 +19,16 @@ def kane(scene):
     speed: mass matrix, right-hand side, its share for each unit of drive torque and of the pin's force, the loop's
     Jacobian, and the part of its acceleration that is quadratic in the speeds.
     """
+    import sympy  # noqa: PLC0415 - which takes a second, and is imported where this test runs
+    from sympy.physics.mechanics import (  # noqa: PLC0415
+        KanesMethod,
+        Point,
+        ReferenceFrame,
+        RigidBody,
+        dynamicsymbols,
+        inertia,
+    )  # fmt: skip
+
     q, u = dynamicsymbols(f"q:{len(scene.bodies)}"), dynamicsymbols(f"u:{len(scene.bodies)}")
     unknown = torque, x, y = sympy.symbols("T X Y")
     ground, origin = ReferenceFrame("N"), Point("O")
