@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import math
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from analytic.description.loading import catalogue, load, parse
-from analytic.errors import AssemblyError
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.description.loading import catalogue, load, parse, read
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 
@@ -73,3 +78,148 @@ def path_of(name: str) -> str:
 def driven(name: str) -> Mechanism:
     """A linkage of the folder."""
     return Mechanism(load(path_of(name)))
+
+
+# Linkages with a motion that can be written down, and one whose crank only swings.
+
+
+needs_extended_precision = pytest.mark.skipif(
+    np.finfo(np.longdouble).eps > 1e-18, reason="this machine's long double is a double"
+)
+
+PENDULUM, ROTOR = file_text("pendulum"), file_text("rotor")
+PENDULUM_RATE = math.sqrt(2 * 9.81 * 0.5 / (0.1 + 2 * 0.25))  # rad/s, of small oscillations
+# Its crank swings between limits on both sides; turned upside down it has a place to rest.
+DOUBLE_ROCKER = file_text("double-rocker")
+
+
+def four_bar(ground, crank, coupler, rocker, start):
+    """The text of a four-bar in m that is sketched at a crank angle, rad, with C left of A→B."""
+    x, y = crank * math.cos(start), crank * math.sin(start)
+    gap = math.hypot(ground - x, y)
+    along = (gap**2 + coupler**2 - rocker**2) / (2 * gap)
+    across = math.sqrt(max(coupler**2 - along**2, 0.0))
+    c = (x + (along * (ground - x) + across * y) / gap, y + (-along * y + across * (ground - x)) / gap)
+    text = DOUBLE_ROCKER.replace('"mm"', '"m"').replace('angle = "deg"', 'angle = "rad"')
+    numbers = {"B = [100": ground, "A = [80": crank, "C = [60": coupler, "C = [90": rocker}
+    for old, new in numbers.items():
+        text = text.replace(f"{old}, 0]", f"{old.split('[')[0]}[{new!r}, 0]")
+    text = text.replace("angle = 70", f"angle = {start!r}").replace("[86, 90]", repr(list(c)))
+    return text
+
+
+# Linkages of any size: a crank with a chain of four-bars behind it, each driven by the rocker before it.
+
+
+HEAD = """title = "chain of dyads"
+source = "made up for the tests"
+units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+crank = "crank"
+gravity = [0, -9.81]
+
+[links.crank]
+points = { O0 = [0, 0], P0 = [20, 0] }
+mass = 0.1
+inertia = 1e-5
+"""
+
+DYAD = """
+[links.coupler{number}]
+points = {{ P{before} = [0, 0], P{number} = [100, 0] }}
+mass = 0.1
+centre = [50, 0]
+inertia = 1e-5
+
+[links.rocker{number}]
+points = {{ O{number} = [0, 0], P{number} = [45, 0] }}
+mass = 0.1
+inertia = 1e-5
+"""
+
+
+def chain_of_dyads(dyads: int) -> str:
+    """The text of a linkage of 2 ``dyads`` + 1 links; its crank turns fully."""
+    numbers = range(1, dyads + 1)
+    groups = "".join(DYAD.format(number=number, before=number - 1) for number in numbers)
+    ground = "".join(f"O{number} = [{100 * number}, 0]\n" for number in (0, *numbers))
+    sketch = ", ".join(f"P{number} = [{100 * number}, 45]" for number in numbers)
+    return f"{HEAD}{groups}\n[ground]\n{ground}\n[sketch]\nangle = 90\npoints = {{ {sketch} }}\n"
+
+
+# Linkages on trial in force analysis: those of the tests, each bare and laden with every load, and some odd joints.
+
+
+ODD = ("die-in-a-slot", "slider-before-its-host", "pin-in-two-slots", "carriage-and-crossed-blocks")
+ON_TRIAL = tuple(itertools.product((*((name, None) for name in ODD), *EVERY), (False, True)))
+
+
+@cache
+def on_trial(name: str, variant: str | None, is_laden: bool) -> Mechanism:
+    """A linkage by name, as it is or laden."""
+    sample = from_text(file_text(name), name) if name in ODD else mechanism(name, variant)
+    return Mechanism(laden(sample.linkage)) if is_laden else sample
+
+
+def laden(linkage: Linkage) -> Linkage:
+    """A linkage under forces at all points, torques on all links, and springs, dashpots and dampers between bodies."""
+    draw = np.random.default_rng(5)
+    scale = sum(link.mass for link in linkage.links.values()) * 20.0  # N, some weights
+    length = linkage.extent()
+
+    def law(size: float, parts: int) -> Law:
+        values = size * draw.uniform(-1.0, 1.0, (4, parts))
+        return Law(values, np.array([0.1, 1.5, 3.0, 4.9])) if draw.random() < 0.5 else Law(values[0])
+
+    points = [(point, name) for name, link in linkage.links.items() for point in link.points]
+    ends = [(point, GROUND) for point in linkage.ground] + points
+    pairs = [(a, b) for a, b in itertools.combinations(ends, 2) if a[1] != b[1] and a[0] != b[0]]
+    bodies = itertools.pairwise([GROUND, *linkage.links])
+    return dataclasses.replace(
+        linkage,
+        gravity=(3.0, -9.0),
+        forces=tuple(PointForce(*place, law(scale, 2)) for place in points),
+        torques=tuple(LinkTorque(name, law(scale * length, 1)) for name in linkage.links if _turns(linkage, name)),
+        springs=tuple(
+            Spring((a[0], b[0]), (a[1], b[1]), scale / length, 0.7 * length, 0.01 * scale / length)
+            for a, b in pairs[:: max(1, len(pairs) // 6)]
+        ),
+        dampers=tuple(RotaryDamper(pair, 0.002 * scale * length) for pair in bodies),
+    )
+
+
+def _turns(linkage: Linkage, name: str) -> bool:
+    return linkage.links[name].inertia is not None
+
+
+# A double rocker, whose crank can only swing, as a user writes it.
+
+
+# Its file as a template for ``str.format``: the direction of the output is left open.
+SWUNG_ROCKER = (
+    file_text("swung-double-rocker").replace("{", "{{").replace("}", "}}").replace("[1, 0] }}", "[{0}, {1}] }}")
+)
+
+
+def double_rocker_text(along=(1.0, 0.0), regimes=""):
+    """Its file; the crank reaches -74.4° to 74.4°."""
+    return SWUNG_ROCKER.format(*along) + regimes
+
+
+def double_rocker(along=(1.0, 0.0), regimes=""):
+    """The linkage."""
+    return parse(double_rocker_text(along, regimes), "double-rocker", "double-rocker.toml", None)
+
+
+# A sound linkage file to spoil, and what the program says of it then.
+
+
+JUKI = read("juki-mf7923d").text.split("[[published]]")[0]
+
+
+def message_of(text, variant=None):
+    """The one sentence with which a file is refused."""
+    with pytest.raises(LinkproofError) as caught:
+        Mechanism(parse(text, "sample", "sample.toml", variant))
+    message = str(caught.value)
+    assert "\n" not in message
+    return message

@@ -15,8 +15,7 @@ from analytic.machine_code import linkage_trace
 from analytic.signals import evaluate, names
 from tests.analytic.exact_forces import forces_of, signals_of
 from tests.analytic.fifty_digits import Exact
-from tests.analytic.linkages import driven
-from tests.analytic.loaded_linkages import ALL, laden, on_trial
+from tests.analytic.linkages import ON_TRIAL, driven, laden, on_trial
 
 SAME = 1e-13  # of the peak
 SEED, COUNT, ORDINARY = 11, 22, (0, 3, 8, 20)
@@ -29,7 +28,7 @@ NEAR = np.linspace(-0.5, 0.5, 9)  # rad, of the drawn angle: where the peak of a
 
 def drawn(number):
     """A linkage of a number, and crank angles of which the first one counts: the same on every machine."""
-    case, is_laden = ALL[STRIDE * number % len(ALL)]
+    case, is_laden = ON_TRIAL[STRIDE * number % len(ON_TRIAL)]
     base = on_trial(*case, is_laden).linkage if number % 10 else laden(driven("linear-motor").linkage)
     for attempt in range(1000):
         chance = np.random.default_rng([SEED, number, attempt])

@@ -16,8 +16,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate, names, signal, unit
 from comparisons.motion.case import Case
-from tests.analytic.linkages import EVERY, IN_LINE, angles, from_text, mechanism
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import DOUBLE_ROCKER, EVERY, IN_LINE, angles, from_text, mechanism
 from tests.analytic.tolerances import FIFTY_DIGITS, SAME_FIGURES
 
 MOTION = CrankMotion("test", (Segment(0.0, 0.3, (0.4, 21.0, 35.0)),))

@@ -15,8 +15,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.numerics.refine import extremes
 from analytic.signals import contour_length, evaluate, feed, reference_angle
 from tests.analytic.articles import FORMULAS
-from tests.analytic.linkages import angles, from_text, mechanism
-from tests.analytic.textbook import ROTOR
+from tests.analytic.linkages import ROTOR, angles, from_text, mechanism
 
 MM = 1e-3
 # Of the contour's length: a few roundings of its stretches.

@@ -9,7 +9,7 @@ import numpy as np
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, read
-from tests.analytic.swinging import DOUBLE_ROCKER
+from tests.analytic.linkages import double_rocker_text
 from tests.comparisons.filejudge.layouts import Channel, exported, solidworks, with_link
 
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
@@ -44,7 +44,7 @@ GIVEN = {
     "short.toml": short,
     "brief.toml": brief,
     "path/to/mine.toml": lambda: (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8"),
-    "rocker.toml": lambda: DOUBLE_ROCKER.format(0, 1),
+    "rocker.toml": lambda: double_rocker_text((0, 1)),
     "curve.csv": lambda: "phi_deg,feed_mm\n0,10\n90,20\n",
 }
 

@@ -25,8 +25,7 @@ from engines.contract import Outcome, Setting
 from engines.registry import engine, own_names
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.stepping.richardson import named_signals
-from tests.analytic.linkages import from_text, mechanism, text_of
-from tests.analytic.swinging import double_rocker_text
+from tests.analytic.linkages import double_rocker_text, from_text, mechanism, text_of
 from tests.engines.closed_form import (
     EVERYTHING,
     crank_number,

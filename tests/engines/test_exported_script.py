@@ -24,8 +24,7 @@ from engines.mujoco_adapter import EXPERT, MujocoEngine
 from engines.registry import engine
 from engines.scene import Channel, Prescribed
 from engines.stepping.intervals import UnsupportedError
-from tests.analytic.linkages import from_text, mechanism
-from tests.analytic.swinging import double_rocker_text
+from tests.analytic.linkages import double_rocker_text, from_text, mechanism
 from tests.engines.closed_form import installed
 
 SWITCHED = """

@@ -11,8 +11,7 @@ from analytic.description.linkage import GROUND
 from analytic.description.loading import load, parse
 from analytic.dynamics.reduced import generalised_force
 from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.faults import JUKI, message_of
-from tests.analytic.linkages import from_text, mechanism, text_of
+from tests.analytic.linkages import JUKI, from_text, mechanism, message_of, text_of
 from tests.analytic.tolerances import EPS
 
 FORCE = '\n[[forces]]\npoint = "D"\nlink = "coupler"\nforce = [1, 2]\n'

@@ -20,7 +20,7 @@ from analytic.description.crank_motion import (
 from analytic.description.linkage import PrescribedRegime
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError, UnknownNameError
-from tests.analytic.faults import JUKI
+from tests.analytic.linkages import JUKI
 from tests.analytic.tolerances import FEW_ROUNDINGS
 
 TIME = np.linspace(0.0, 0.7, 1401)

@@ -9,8 +9,7 @@ from analytic.description.json_schema import json_schema
 from analytic.description.loading import CATALOGUE, LITERATURE
 from analytic.description.schema import Document
 from analytic.description.units import UNITS
-from tests.analytic.faults import JUKI
-from tests.analytic.linkages import FOLDER
+from tests.analytic.linkages import FOLDER, JUKI
 
 SCHEMA = json_schema()
 VALIDATOR = Draft4Validator(SCHEMA)

@@ -25,8 +25,7 @@ from analytic.description.loading import (
     rewritten,
 )
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
-from tests.analytic.faults import JUKI
-from tests.analytic.linkages import FOLDER
+from tests.analytic.linkages import FOLDER, JUKI
 from tests.analytic.mutations import mutated_files
 
 

@@ -11,8 +11,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import stroke
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.faults import JUKI, message_of
-from tests.analytic.linkages import text_of
+from tests.analytic.linkages import JUKI, message_of, text_of
 from tests.analytic.mutations import mutated_files
 
 MASS = "links.crank.mass: expected a finite mass of zero or more in the file's mass unit, got"

@@ -23,8 +23,7 @@ from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
 from tests.analytic.exact_forces import forces_of, signals_of
 from tests.analytic.fifty_digits import Exact
-from tests.analytic.linkages import IN_LINE, from_text, mechanism
-from tests.analytic.loaded_linkages import on_trial
+from tests.analytic.linkages import IN_LINE, from_text, mechanism, on_trial
 
 SPEED = 20.0
 # Between them they have every dyad, every joint, tables of loads, springs, dashpots and dampers.

@@ -19,9 +19,7 @@ from analytic.signals import MovingSweep
 from comparisons.designer.curves import Curves
 from comparisons.motion.case import Case
 from tests.analytic.designs.one_by_one import PATHS, built, signals_of, varied
-from tests.analytic.linkages import FOLDER, MADE_UP, driven, from_text, mechanism
-from tests.analytic.loaded_linkages import ALL, on_trial
-from tests.analytic.swinging import double_rocker
+from tests.analytic.linkages import FOLDER, MADE_UP, ON_TRIAL, double_rocker, driven, from_text, mechanism, on_trial
 
 # Other orders of the same operations; of the peak.
 SAME = 1e-13
@@ -32,7 +30,7 @@ BETWEEN = 10_001  # angles that show whether a design that moves at the sampled 
 DRIVES = sorted(path.stem for path in (FOLDER / "drives").glob("*.toml"))
 # n-four-bar takes 12 s a design, for the series through its change points.
 OTHERS = [(name, None, False) for name in (*sorted({*literature()} - {"n-four-bar"}), *DRIVES)]
-LADEN = [(name, variant, True) for (name, variant), is_laden in ALL if is_laden]
+LADEN = [(name, variant, True) for (name, variant), is_laden in ON_TRIAL if is_laden]
 ORDINARY = [
     ("pin-in-two-slots", None, True),
     ("shaper", None, True),

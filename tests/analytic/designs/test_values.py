@@ -8,9 +8,7 @@ from analytic.designs.sampled_signals import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError
 from analytic.signals import table
 from tests.analytic.designs.one_by_one import built, signals_of, varied
-from tests.analytic.linkages import from_text, mechanism, text_of
-from tests.analytic.loaded_linkages import ODD, on_trial
-from tests.analytic.textbook import four_bar
+from tests.analytic.linkages import ODD, four_bar, from_text, mechanism, on_trial, text_of
 
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14

@@ -14,8 +14,7 @@ from analytic.dynamics.released import free_motion, last_turns, steady_state
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from tests.analytic import article_000
-from tests.analytic.linkages import from_text, mechanism
-from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR, needs_extended_precision
+from tests.analytic.linkages import DOUBLE_ROCKER, PENDULUM, ROTOR, from_text, mechanism, needs_extended_precision
 
 # rad. A moment of a few roundings over its slope.
 ANGLE = 1e-13

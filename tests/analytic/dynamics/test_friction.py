@@ -22,8 +22,7 @@ from tests.analytic.absolute_coordinates import largest_error
 from tests.analytic.drawn_linkages import draw
 from tests.analytic.exact_forces import forces_of
 from tests.analytic.fifty_digits import Exact
-from tests.analytic.linkages import text_of
-from tests.analytic.textbook import PENDULUM
+from tests.analytic.linkages import PENDULUM, text_of
 from tests.engines.closed_form import installed
 
 PHI, SPEED, CLOSE = np.linspace(0.1, 6.3, 91), 7.0, 1e-11

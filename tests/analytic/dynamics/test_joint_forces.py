@@ -10,8 +10,7 @@ from analytic.description.linkage import PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.linkages import angles, driven, from_text, mechanism, text_of
-from tests.analytic.loaded_linkages import ALL, laden, on_trial
+from tests.analytic.linkages import ON_TRIAL, angles, driven, from_text, laden, mechanism, on_trial, text_of
 from tests.analytic.tolerances import FEW_ROUNDINGS
 
 # Of the largest joint force, times the linkage's extent for moments: the second derivation is held to this.
@@ -23,7 +22,7 @@ TRIALS = [
     case
     if case[0][1] is None and (case[1] or case[0][0] == "near-toggle")
     else pytest.param(case, marks=pytest.mark.nightly)
-    for case in ALL
+    for case in ON_TRIAL
 ]
 CLASS_III = "ternary-on-rods"
 TRIALS.append(((CLASS_III, None), True))

@@ -18,9 +18,17 @@ from analytic.dynamics.released import energy_imbalance, free_motion
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from tests.analytic import article_000
-from tests.analytic.linkages import from_text, mechanism, text_of
-from tests.analytic.swinging import double_rocker_text
-from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, PENDULUM_RATE, ROTOR, needs_extended_precision
+from tests.analytic.linkages import (
+    DOUBLE_ROCKER,
+    PENDULUM,
+    PENDULUM_RATE,
+    ROTOR,
+    double_rocker_text,
+    from_text,
+    mechanism,
+    needs_extended_precision,
+    text_of,
+)
 
 # rad. What the reference aims at over the published 10 s; the engines it judges reach 5e-7 and 1e-6.
 FREE, DRIVEN = 1e-11, 1e-8

@@ -12,8 +12,7 @@ from comparisons.motion.case import Case
 from engines.contract import Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel
-from tests.analytic.linkages import from_text
-from tests.analytic.textbook import four_bar
+from tests.analytic.linkages import four_bar, from_text
 
 GROUND, CRANK, COUPLER, ROCKER = LENGTHS = 0.06, 0.02, 0.06, 0.045  # m
 STIFFNESS, FREE = 0.8, 0.3  # N m/rad, rad

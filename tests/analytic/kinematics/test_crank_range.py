@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
-from tests.analytic.linkages import FOLDER, file_text, from_text, text_of
-from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
+from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, file_text, four_bar, from_text, text_of
 from tests.analytic.tolerances import EPS
 
 LENGTHS = st.floats(0.1, 10.0)

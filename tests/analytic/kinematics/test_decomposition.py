@@ -7,8 +7,7 @@ import pytest
 from analytic.description.loading import parse
 from analytic.errors import StructureError
 from analytic.kinematics.structure import grashof, loose_points, mobility
-from tests.analytic.linkages import MADE_UP, from_text, mechanism
-from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
+from tests.analytic.linkages import DOUBLE_ROCKER, MADE_UP, four_bar, from_text, mechanism
 
 HEAD = """
 title = "sample"

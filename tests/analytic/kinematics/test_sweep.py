@@ -12,16 +12,16 @@ from analytic.kinematics.sweep import transmission_angle
 from tests.analytic.drawn_linkages import draw, placed
 from tests.analytic.fifty_digits import Exact, exact
 from tests.analytic.linkages import (
+    DOUBLE_ROCKER,
     EVERY,
     FULL_TURN,
     angles,
+    double_rocker,
     from_text,
     mechanism,
     modes,
     text_of,
 )
-from tests.analytic.swinging import double_rocker
-from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.analytic.tolerances import CLOSURE, EPS, FIFTY_DIGITS
 
 

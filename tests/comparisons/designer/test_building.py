@@ -23,8 +23,7 @@ from comparisons.designer.building import (
 )
 from comparisons.motion.case import Case, case_of_file_regime, motion_of_file_regime
 from comparisons.trials.campaign.saved_linkages import load_cases, save_case
-from tests.analytic.linkages import FOLDER, from_text
-from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR
+from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, PENDULUM, ROTOR, from_text
 from tests.commands import linkproof
 
 LAW = "\n[regimes.go]\ntorque = {torque}\nstart_angle = {angle}\nstart_speed = {speed}\nduration = 2\n"

@@ -19,8 +19,7 @@ from comparisons.designer.curves import Instants
 from comparisons.designer.figures import BRAKING, MEAN, flywheel
 from comparisons.motion.case import Case
 from linkproof import sweep
-from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism
-from tests.analytic.textbook import PENDULUM
+from tests.analytic.linkages import FOLDER, FULL_TURN, PENDULUM, from_text, mechanism
 from tests.commands import linkproof
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, curves, engine, piston, piston_text, results
 

@@ -11,10 +11,7 @@ from analytic.errors import AssemblyError, StructureError
 from comparisons.designer.linkage_check import check
 from reports.designs.linkages import printed_facts
 from reports.document.terminal import rendered
-from tests.analytic.chains import chain_of_dyads
-from tests.analytic.faults import JUKI
-from tests.analytic.linkages import EVERY, FOLDER, text_of
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import DOUBLE_ROCKER, EVERY, FOLDER, JUKI, chain_of_dyads, text_of
 
 
 def folded(gap, one, two):

@@ -23,7 +23,7 @@ from comparisons.designer.sweep import (
     reason_not_assembled,
     sweep,
 )
-from tests.analytic.loaded_linkages import on_trial
+from tests.analytic.linkages import on_trial
 from tests.comparisons.designer.sweeps import SIX_BAR, grid, request
 
 

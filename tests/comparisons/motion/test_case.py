@@ -24,8 +24,7 @@ from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Scene
-from tests.analytic.linkages import driven, from_text
-from tests.analytic.swinging import double_rocker
+from tests.analytic.linkages import double_rocker, driven, from_text
 
 MOTIONS = {
     "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),

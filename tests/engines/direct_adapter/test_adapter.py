@@ -20,9 +20,7 @@ from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from tests.analytic.kinematics.test_change_points import four_bar
-from tests.analytic.linkages import FULL_TURN, MADE_UP, from_text, mechanism
-from tests.analytic.loaded_linkages import ODD, on_trial
-from tests.analytic.swinging import double_rocker_text
+from tests.analytic.linkages import FULL_TURN, MADE_UP, ODD, double_rocker_text, from_text, mechanism, on_trial
 from tests.engines.closed_form import EVERYTHING, crank_number, driven, errors_of, history_of, with_body
 
 ENGINE = DirectEngine()

@@ -17,8 +17,7 @@ from reports.charts.draw import picture
 from reports.designs.results_drawing import results_figure
 from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import rendered
-from tests.analytic.linkages import FOLDER, driven, from_text, mechanism
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, driven, from_text, mechanism
 from tests.commands import linkproof
 from tests.reports.designs.samples import (
     CRANK,

@@ -22,8 +22,7 @@ from engines.registry import engine, own_names, why_unavailable
 from engines.scene import Channel
 from reports.api.campaign import request
 from reports.api.options import Motion
-from tests.analytic.linkages import FOLDER
-from tests.analytic.swinging import double_rocker_text
+from tests.analytic.linkages import FOLDER, double_rocker_text
 from tests.comparisons.true_motions import cut, perfect_motion
 
 JUKI = load("juki-mf7923d")

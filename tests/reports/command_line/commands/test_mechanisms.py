@@ -15,7 +15,7 @@ from analytic.errors import DescriptionError, LinkproofError, StructureError
 from analytic.kinematics.mechanism import Mechanism
 from reports.command_line.destination import Destination
 from reports.designs import linkages as mechanisms
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
 
 SLIP = DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]")

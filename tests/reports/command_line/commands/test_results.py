@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.errors import install_words
-from tests.analytic.linkages import path_of
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.linkages import DOUBLE_ROCKER, path_of
 from tests.commands import linkproof, refused
 from tests.reports.designs.samples import piston_text
 
