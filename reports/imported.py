@@ -19,7 +19,8 @@ from comparisons.trials.judging.records import Error, Run, Verdict
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
-from reports.mechanism.engines import MOST, JudgedCurve, judged_chart
+from reports.mechanism.engines import MOST, JudgedCurve
+from reports.mechanism.engines import judged_figure as figure_of_curves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -289,8 +290,6 @@ def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
 
 def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
     """The worst curves; ``title`` names linkage and files."""
-    from reports.charts import draw  # noqa: PLC0415 - matplotlib, where a picture is drawn
-
     curves = judged_curves(judgement, MOST)
     causes = dict.fromkeys(f"Likely cause: {curve.cause}." for curve in curves if curve.cause)
-    return draw.figure(judged_chart(curves, (title, sentence(judgement), *causes)))
+    return figure_of_curves(curves, (title, sentence(judgement), *causes))

@@ -35,7 +35,7 @@ from analytic.machine_code import (
 from comparisons.designer.building import OVER_RANGE
 from comparisons.designer.open_ends import MARGIN, open_ends
 from comparisons.designer.sheet import Sheet
-from reports.document.chart import Array, packed
+from reports.document.packed import Array, packed
 from reports.document.parts import Part, Widget
 
 # A linkage's file as a template, in which a page puts other numbers: text and the places of numbers by turns.

@@ -11,6 +11,7 @@ from itertools import groupby
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
@@ -23,12 +24,12 @@ from comparisons.trials.judging.limits import LimitTable, grouped
 from comparisons.trials.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
 from comparisons.trials.judging.records import CONTROL, IMPORTED, Error, Verdict
 from engines.contract import Origin, Setting
-from reports.document.chart import Array
 from reports.document.numbers import ABSENT, bound, error
 from reports.document.parts import Table, TableCell, Words
 from reports.document.templates import plain, worded
 from reports.document.terminal import Printout
 
+Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
 

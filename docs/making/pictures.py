@@ -19,8 +19,8 @@ import numpy as np
 
 import linkproof
 from comparisons.designer.building import page_sheet
+from reports.charts.draw import DARK, FONT
 from reports.charts.moving import COLOURS, SECONDS, moving_scheme
-from reports.charts.scales import DARK, FONT
 
 ROOT = Path(__file__).resolve().parents[2]
 ASSETS, REPORT = ROOT / "docs" / "assets", ROOT / "build" / "report"

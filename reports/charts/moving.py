@@ -17,9 +17,8 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import fixed
 from comparisons.designer.sheet import Positions
 from reports.charts import draw
-from reports.charts.scales import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
+from reports.charts.draw import GHOST, INK, MUTED, PALETTE, PAPER, PLATE, Array
 from reports.charts.scheme import KinematicScheme, draw_paths, draw_position
-from reports.document.chart import Array
 
 SECONDS: Final = 6.0
 # Of a drawing, and of a small one without mass centres: its size, its rim and a pin's radius, points, and the steps

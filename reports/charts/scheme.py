@@ -18,9 +18,7 @@ from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, 
 from analytic.description.written import file_unit
 from comparisons.designer.sheet import Positions, ThreadSheet
 from reports.charts import symbols
-from reports.charts.draw import Host, drawn, inches
-from reports.charts.scales import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER
-from reports.document.chart import Array
+from reports.charts.draw import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, Array, Host, drawn, inches
 
 POSITIONS = 12
 

@@ -13,8 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Wedge
 from numpy.typing import ArrayLike
 
-from reports.charts.scales import INK, MUTED, PAPER, PLATE
-from reports.document.chart import Array
+from reports.charts.draw import INK, MUTED, PAPER, PLATE, Array
 
 SLOT = (PAPER, 0.7)  # lines behind a slot stay visible
 AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of them one that a drawing is likely to have

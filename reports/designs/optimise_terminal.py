@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic import signals
 from analytic.description.written import change, file_unit, finite
@@ -16,10 +17,12 @@ from analytic.signals import MAGNITUDE
 from comparisons.designer.optimisation import Optimum
 from comparisons.designer.problem import Constraint
 from comparisons.designer.searches import Search
-from reports.document.chart import Array, Chart, Curve, Ink, Note, Panel, axis_label
 from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DIGITS: Final = 6
 ROUNDED: Final = 1e-8  # share of its size by which a constrained figure may be off
@@ -87,7 +90,7 @@ def closing(optimum: Optimum) -> str:
     return f"{aim(optimum)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
 
 
-def _aim_value(optimum: Optimum, values: Array) -> float:
+def _aim_value(optimum: Optimum, values: NDArray[np.float64]) -> float:
     """The value of the aim among figures (figures,), SI: of several aims that of the worst."""
     sign, many = optimum.problem.sign, len(optimum.problem.aims)
     return float(sign * np.max(sign * values[:many]))
@@ -238,35 +241,35 @@ def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
 
 
 MOST: Final = 9  # panels of the picture
-PANEL, FRAME = 1.9, 0.6  # in, height of a panel, of the words below the last
-LOOKS: Final[tuple[tuple[Ink, str], ...]] = (("muted", "--"), (0, "-"))  # of a curve before and after: ink and line
+PANEL, FRAME = 1.9, 1.2  # in, height of a panel, of the words above and below
 
 
-def before_after_chart(optimum: Optimum, conditions: str) -> Chart:
+def before_after_figure(optimum: Optimum, conditions: str) -> Figure:
     """A panel per signal, the drive's torque first; of each the largest magnitude before and after is marked."""
+    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
+
     curves = optimum.curves()
     names = sorted(curves, key=lambda name: name != "Mkr")
     more = [f"The first {MOST} of {len(names)} signals are drawn."] if len(names) > MOST else []
-    panels = tuple(_panel(optimum, name, curves[name]) for name in names[:MOST])
-    key = (Curve(name="before", ink="muted", line="--"), Curve(name="after"))
-    return Chart(panels, PANEL * len(panels) + FRAME, wide=True, head=(aim(optimum), conditions, *more), key=key)
-
-
-def _panel(optimum: Optimum, name: str, curves: Array) -> Panel:
-    """One signal before and after, (2, angles) in SI, with its largest magnitudes marked."""
     linkage, maxima = optimum.problem.case.linkage, optimum.problem.maxima
-    unit, length = file_unit(signals.unit(name, linkage), linkage), file_unit("m", linkage)
+    length = file_unit("m", linkage)
     places = maxima.grid / length.size if linkage.is_linear else np.degrees(maxima.grid)
-    drawn, notes = [], []
-    for values, (ink, line) in zip(curves / unit.size, LOOKS, strict=True):
-        peak = np.argmax(np.where(np.isfinite(values), np.abs(values), -1.0))
-        marker = Curve(places[[peak]], values[[peak]], "", ink, "", marker="o")
-        drawn += [Curve(places, values, "", ink, line), marker]
-        notes.append(Note(float(places[peak]), float(values[peak]), figure(values[peak])))
-    unit_name = printable(unit.name)
-    peaks = " → ".join(note.text for note in notes)
-    title = f"{printable(name.removesuffix(MAGNITUDE))}: peak {peaks} {unit_name}".rstrip()
-    axis = f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °"
-    turn = maxima.case.is_full_turn
-    y_label = axis_label("value", unit_name)
-    return Panel(tuple(drawn), axis, y_label, (), tuple(notes), turn=turn, names="", title=title)
+    looks = {"before": (draw.MUTED, "--"), "after": (draw.PALETTE[0], "-")}
+
+    def place(figure_: Figure) -> None:
+        host = draw.head(figure_, [aim(optimum), conditions, *more])
+        grid = host.subplots(min(len(names), MOST), sharex=True, squeeze=False)[:, 0]
+        for axes, name in zip(grid, names, strict=False):
+            unit, peaks = file_unit(signals.unit(name, linkage), linkage), []
+            for values, (word, (colour, line)) in zip(curves[name] / unit.size, looks.items(), strict=True):
+                peak = np.argmax(np.where(np.isfinite(values), np.abs(values), -1.0))
+                axes.plot(places, values, line, color=colour, label=word)
+                axes.plot(places[peak], values[peak], "o", color=colour)
+                peaks.append(figure(values[peak]))
+            title = f"{name.removesuffix(MAGNITUDE)}: peak {' → '.join(peaks)} {unit.name}".rstrip()
+            axes.set_title(printable(title))
+            draw.finish(axes, "", printable(unit.name), turn=maxima.case.is_full_turn)
+        grid[-1].set_xlabel(f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °")
+        host.legend(*grid[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+
+    return draw.drawn(draw.FULL_WIDTH, PANEL * min(len(names), MOST) + FRAME, place)

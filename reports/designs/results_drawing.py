@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from matplotlib.axes import Axes
@@ -14,8 +14,7 @@ from analytic.signals import MAGNITUDE
 from comparisons.designer.curves import TRANSMISSION
 from comparisons.designer.sheet import JOINT, Sheet
 from reports.charts import draw
-from reports.charts.draw import LINE
-from reports.charts.scales import FULL_WIDTH, PALETTE
+from reports.charts.draw import FULL_WIDTH, LINE, PALETTE
 from reports.charts.scheme import (
     Draw,
     KinematicScheme,
@@ -26,17 +25,17 @@ from reports.charts.scheme import (
     scaled_figure,
 )
 from reports.charts.scheme import place as place_scheme
-from reports.document.chart import Chart, Panel
 from reports.document.templates import plain
-from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
-from reports.mechanism.shown import place, signals_panel, stacked_chart, words
+from reports.mechanism.designer import OUTPUT, PER_ROW, finish, plot_hodographs, plot_stacked
+from reports.mechanism.shown import place, words
 
-# Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
-TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
+# Inches: of the title, of the upper row and of its left half, of a hodograph's row.
+TITLE, UPPER, LEFT, CELL = 0.4, 4.8, 5.0, 2.75
 CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
 COLUMN: Final = 85.0 / 25.4  # inches
 SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
 SIGNALS: Final = {"torque": ("Mkr",), "power": ("Peq",), "energy": ("Teq",), "inertia": ("Jeq",), "output": OUTPUT}
+MOST_CURVES: Final = 10
 
 
 def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
@@ -59,14 +58,11 @@ def _everything(sheet: Sheet) -> Figure:
             scheme = KinematicScheme(sheet.linkage, sheet.positions)
             place_scheme(left, scheme, scheme.extent, draw_scheme)
         signals = [name for name in CURVES if name in sheet.values]
-        if signals:
-            curves = stacked_chart(sheet, signals, UPPER)
-            titles = [
-                replace(panel, title=_title(sheet, name)) for panel, name in zip(curves.panels, signals, strict=True)
-            ]
-            draw.place(right, replace(curves, panels=tuple(titles)))
+        for axes, name in zip(plot_stacked(sheet, signals, right) if signals else (), signals, strict=True):
+            axes.set_title(_title(sheet, name))
         if vectors:
-            draw.place(lower[0], Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW))
+            titles = {vector: _force_title(sheet, vector) for vector in vectors}
+            plot_hodographs(sheet, vectors, lower[0], titles)
 
     return draw.drawn(FULL_WIDTH, TITLE + UPPER + rows * CELL, draw_all)
 
@@ -78,11 +74,11 @@ def _title(sheet: Sheet, name: str) -> str:
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
 
 
-def _hodograph(sheet: Sheet, vector: str) -> Panel:
-    """The tip of a force, named with its peak."""
-    panel = hodograph(sheet, vector, 0)
-    name, peak = printable(panel.title or "shaking force"), sheet.peaks[vector + MAGNITUDE]
-    return replace(panel, title=f"{name}, {words(sheet, peak)}")
+def _force_title(sheet: Sheet, vector: str) -> str:
+    """Name of a force and its peak."""
+    name = plain(vector.partition(":")[2] or vector)
+    peak = words(sheet, sheet.peaks[vector + MAGNITUDE]).replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{printable(name)}, {peak}"
 
 
 def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -100,30 +96,35 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
     """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
     if name not in FIGURES:
         raise UnknownNameError("figure", name, FIGURES)
-    positions = sheet.positions
-    if positions is not None and name in SCHEMES:
-        scheme = KinematicScheme(sheet.linkage, positions)
+    if name in SCHEMES and sheet.positions is not None:
+        scheme = KinematicScheme(sheet.linkage, sheet.positions)
         return scaled_figure(scheme, scheme.extent, SCHEMES[name], COLUMN)
-    result = _chart(sheet, name) if name not in SCHEMES else Chart(())
-    if not result.panels:
+    stack = [signal for signal in SIGNALS.get(name, ()) if signal in sheet.values]
+    if stack:
+        height = SINGLE if len(stack) == 1 else STACKED * len(stack)
+        return draw.drawn(COLUMN, height, partial(plot_stacked, sheet, stack))
+    signals, label = _signals_together(sheet, name)
+    if not signals:
         raise LinkproofError(
             f"--figure {name}: expected a linkage that has what it shows, got '{sheet.name}', which does not; "
             "choose another figure"
         )
-    return draw.figure(result, COLUMN)
+
+    def plot(figure: Figure) -> None:
+        axes = figure.subplots()
+        for n, (signal, word) in enumerate(signals.items()):
+            axes.plot(sheet.x, sheet.y(signal), "-" if n < len(PALETTE) else "--", label=draw.wrap(word, COLUMN - 1.0))
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        finish(axes, sheet, label)
+
+    return draw.drawn(COLUMN, SINGLE + LINE * len(signals), plot)
 
 
-def _chart(sheet: Sheet, name: str) -> Chart:
-    """The panels of a figure, without curves where the linkage has nothing for them."""
-    if name in SIGNALS:
-        stack = [signal for signal in SIGNALS[name] if signal in sheet.values]
-        return stacked_chart(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
+def _signals_together(sheet: Sheet, name: str) -> tuple[dict[str, str], str]:
+    """The names of signals on one pair of axes, which are labelled; none where the linkage has nothing for them."""
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
-        label = f"|F|, {sheet.file_unit_of('N').on_page}"
-    else:
-        groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
-        signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
-        label = f"transmission angle, {sheet.file_unit_of('rad').on_page}"
-    panels = [replace(signals_panel(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
-    return Chart(tuple(panels), SINGLE + LINE * len(signals))
+        return signals, f"|F|, {sheet.file_unit_of('N').on_page}"
+    groups = [signal for signal in sheet.values if name == "transmission" and signal.startswith(TRANSMISSION)]
+    signals = {signal: plain(signal.removeprefix(TRANSMISSION)) for signal in groups}
+    return signals, f"transmission angle, {sheet.file_unit_of('rad').on_page}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -12,13 +12,14 @@ import numpy as np
 from analytic.description.written import csv_text, finite, plain
 from analytic.errors import printable
 from comparisons.designer.tolerances import EXACT, QUANTILES, SEED, ToleranceStudy
-from reports.document.chart import Chart, Curve, Mark, Panel, axis_label
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 HEAD: Final = ("parameter", "±", "", "derivative", "", "moves it by ±", "share of variance")
 NOTE: Final = "± of a normal distribution are three standard deviations, of a uniform one its limits."
@@ -173,41 +174,53 @@ def csv_table(study: ToleranceStudy) -> str:
 FAILS: Final = " (does not assemble)"  # at one of its limits
 MOST: Final = 25  # parameters in one panel
 ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
-LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 
 
-def tornado_chart(study: ToleranceStudy) -> Chart:
+def tornado_figure(study: ToleranceStudy) -> Figure:
     """A panel per result; parameters that move nothing are left out and counted.
 
     On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """
-    panels = tuple(_panel(study, row) for row in range(len(study.request.figures)))
-    height = sum(ROW * len(panel.rows) + FRAME for panel in panels)
-    key = (Curve(name="at the lower limit", width=WIDE), Curve(name="at the upper limit", ink=1, width=WIDE))
-    return Chart(panels, height, wide=True, head=(study.request.case.conditions,), key=key)
+    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
+
+    panels = [_moving(study, row) for row in range(len(study.request.figures))]
+    counts = [max(len(moving[:MOST]), 1) + 1 for moving in panels]
+
+    def place(figure: Figure) -> None:
+        host = draw.head(figure, [study.request.case.conditions])
+        grid = host.subplots(len(panels), squeeze=False, height_ratios=counts)[:, 0]
+        for row, (axes, moving) in enumerate(zip(grid, panels, strict=True)):
+            _plot_tornado(axes, study, row, moving)
+        host.legend(*grid[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+
+    return draw.drawn(draw.FULL_WIDTH, sum(ROW * (count - 1) + FRAME for count in counts), place)
 
 
-def _panel(study: ToleranceStudy, row: int) -> Panel:
-    """The tornado of one result."""
-    result, names = study.request.figures[row], [tolerance.name for tolerance in study.request.tolerances]
+def _moving(study: ToleranceStudy, row: int) -> list[int]:
+    """The parameters that move a result, the largest change first."""
+    sizes = np.max(np.nan_to_num(np.abs(study.changes[row]), nan=np.inf), axis=1)
+    return [int(column) for column in np.argsort(-sizes, kind="stable") if sizes[column] > 0.0]
+
+
+def _plot_tornado(axes: Axes, study: ToleranceStudy, row: int, moving: Sequence[int]) -> None:
+    """The changes of one result at both limits of each parameter."""
+    from reports.charts import draw  # noqa: PLC0415
+
+    result, tolerances, shown = study.request.figures[row], study.request.tolerances, moving[:MOST]
     changes = study.changes[row] / result.unit.size
-    sizes = np.max(np.nan_to_num(np.abs(changes), nan=np.inf), axis=1)
-    order = np.argsort(-sizes, kind="stable")
-    moving = [int(column) for column in order if sizes[column] > 0.0]
-    shown = moving[:MOST]
-    curves = tuple(
-        Curve(np.array([0.0, end]), np.full(2, place + side * LANE), ink=ink, width=WIDE)
-        for place, column in enumerate(shown)
-        for ink, (side, end) in enumerate(zip((-1.0, 1.0), changes[column], strict=True))
-    )
+    for side, name in enumerate(("at the lower limit", "at the upper limit")):
+        places = np.arange(len(shown)) + 0.17 * (2 * side - 1)
+        axes.barh(places, changes[shown, side], 0.3, color=draw.PALETTE[side], label=name)
     left = [f"{len(moving) - len(shown)} smaller ones are left out"] if len(moving) > len(shown) else []
-    still = len(names) - len(moving)
+    still = len(tolerances) - len(moving)
     left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
     unit = result.unit.name
     what = f"{result.name}: {figure(study.nominal[row] / result.unit.size)} {unit}".rstrip()
-    rows = tuple(printable(names[column]) + FAILS * bool(np.isinf(sizes[column])) for column in shown) or ("–",)
-    title = printable("; ".join([what, *left]))
-    return Panel(curves, printable(axis_label("change", unit)), "", (Mark(0.0),), names="", title=title, rows=rows)
+    names = [printable(tolerances[n].name) + FAILS * bool(np.isnan(changes[n]).any()) for n in shown] or ["–"]
+    axes.set(ylim=(len(names) - 0.5, -0.5), title=printable("; ".join([what, *left])))
+    axes.set(xlabel=printable(draw.axis_label("change", unit)), yticks=range(len(names)), yticklabels=names)
+    axes.margins(x=0.05)
+    axes.axvline(0.0, color=draw.MUTED, linewidth=0.9)
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:

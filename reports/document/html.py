@@ -12,7 +12,6 @@ from typing import Final, NamedTuple
 from markupsafe import Markup, escape
 
 from comparisons.trials.runs.files import write_file
-from reports.document.chart import Chart
 from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
@@ -101,8 +100,7 @@ class _PageFiles:
         """Draw a figure into its files."""
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
-        chart = figure.drawing
-        drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
+        drawing = figure.drawing()
         name = f"figures/{Path(self.page.file).stem}/{figure.name}"
         write_file(self._file(f"{name}.svg"), draw.svg(drawing))
         width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())

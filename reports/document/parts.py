@@ -14,8 +14,6 @@ from reports.document.templates import FOLDER
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
-    from reports.document.chart import Chart
-
 
 NOTHING: Final = Markup("")
 
@@ -118,13 +116,13 @@ class Table:
 class PageFigure:
     """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
 
-    ``alt`` is for a reader without pictures; ``drawing`` is a chart, or draws.
+    ``alt`` is for a reader without pictures; ``drawing`` draws.
     """
 
     name: str
     caption: Words
     alt: str
-    drawing: Chart | Callable[[], Drawing]
+    drawing: Callable[[], Drawing]
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Link
+from comparisons.designer.curves import TIME
 from comparisons.designer.sheet import JOINT, ROUNDING, Sheet
+from reports.charts import draw
+from reports.charts.draw import FULL_WIDTH, PALETTE, Array, Host, drawn, wrap
 from reports.charts.scheme import scheme_figure
-from reports.document.chart import Array, Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import (
     Bullets,
@@ -27,16 +34,17 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.mechanism.shown import figures_table, jeq, page_figure, panel
+from reports.mechanism.shown import figures_table, jeq
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
 # Before the reason why a part of a sheet is missing, where the part has its place on the page.
 WORDS: Final = {"values": "There is no motion to show: "}
 TALL: Final = 3.9  # inches, of panels one under the other
-MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
+MOST_HODOGRAPHS, PER_ROW = 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
 ACTS: Final = "A joint's force acts on the link named; directions count from x."
+NO_TITLES: Final[Mapping[str, str]] = MappingProxyType({})
 DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and between those that are named
 
 
@@ -51,6 +59,32 @@ def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
     reasons = {key: sheet.missing[key] for key in keys if key in sheet.missing}
     words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
     return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
+
+
+def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Callable[[], Figure]) -> PageFigure:
+    """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
+    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
+
+
+def finish(axes: Axes, sheet: Sheet, y_label: str, *, is_last: bool = True) -> None:
+    """Labels and limits of axes with curves over the motion; named where they are the last of a column."""
+    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
+    draw.finish(axes, f"{name}, {sheet.axis_unit.on_page}" if is_last else "", y_label, turn=sheet.is_turn)
+
+
+def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
+    """Signals one under the other over the motion, each with its peak marked; returns their axes."""
+    column = [*host.subplots(len(names), sharex=True, squeeze=False)[:, 0]]
+    for row, (axes, name) in enumerate(zip(column, names, strict=True)):
+        colour, peak, unit = PALETTE[row % len(PALETTE)], sheet.peaks[name], sheet.unit(name)
+        axes.plot(sheet.x, sheet.y(name), color=colour)
+        at = sheet.place_of(peak)
+        if peak.value is not None and at is not None:
+            along = (at % FULL_TURN if sheet.is_turn else at) / sheet.axis_unit.size
+            axes.plot([along], [peak.value / unit.size], "o", color=colour, clip_on=False)
+        label = f"{'force' if name == 'Mkr' and sheet.is_linear else name}, {unit.on_page}"
+        finish(axes, sheet, label, is_last=row == len(names) - 1)
+    return column
 
 
 def _drive(sheet: Sheet) -> Section:
@@ -78,22 +112,25 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
         return ()
     constant = [plain(name) for name, values in links.items() if float(np.ptp(values)) <= CONSTANT * np.max(values)]
     varying = {name: values for name, values in links.items() if plain(name) not in constant}
-    stack, total = [], np.zeros_like(sheet.x)
-    for number, (name, values) in enumerate(groups.items()):
-        total = total + values
-        stack.append(Curve(sheet.x, total, _share(name, values, whole), number, stacked=True))
-    curves = [
-        Curve(sheet.x, values, _share(name, values, whole), number)
-        for number, (name, values) in enumerate(varying.items())
-    ]
-    panels = [panel(sheet, stack, f"Jeq, {unit.on_page}", is_last=not curves)]
-    panels += [panel(sheet, curves, f"Jeq of a link, {unit.on_page}")] if curves else []
     caption = "Share of each group in Jeq (stacked)"
-    caption += "; below, each moving link alone" if curves else ""
+    caption += "; below, each moving link alone" if varying else ""
     caption += f". Constant and not drawn: {', '.join(constant)}" if constant else ""
     caption += ". Per cent are of the mean."
-    chart = Chart(tuple(panels), TALL, wide=True)
-    return (page_figure(sheet, "inertia", caption, "Jeq by Assur group and by link", chart),)
+
+    def place(figure: Figure) -> None:
+        stacked, *alone = figure.subplots(1 + bool(varying), sharex=True, squeeze=False)[:, 0]
+        names = [_share(name, values, whole) for name, values in groups.items()]
+        stacked.stackplot(sheet.x, *groups.values(), labels=names, alpha=0.75)
+        finish(stacked, sheet, f"Jeq, {unit.on_page}", is_last=not varying)
+        for axes in alone:
+            for name, values in varying.items():
+                axes.plot(sheet.x, values, label=_share(name, values, whole))
+            finish(axes, sheet, f"Jeq of a link, {unit.on_page}")
+        for axes in (stacked, *alone):
+            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), reverse=axes is stacked)
+
+    drawing = partial(drawn, FULL_WIDTH, TALL, place)
+    return (page_figure(sheet, "inertia", caption, "Jeq by Assur group and by link", drawing),)
 
 
 def _share(name: str, values: Array, whole: float) -> str:
@@ -122,28 +159,36 @@ def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
     """The tip of every joint's force and of that on the frame, each to its own scale."""
     vectors = [f"{JOINT}{name}" for name in joints[:MOST_HODOGRAPHS]]
     vectors += ["shaking_force"] if "shaking_force:x" in sheet.values else []
-    panels = [hodograph(sheet, vector, number) for number, vector in enumerate(vectors)]
-    rows = -(-len(vectors) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which} and on the frame, each to its own scale{_dots_in_words(sheet)}."
-    chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(vectors)), wide=True)
-    return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", chart)
+    drawing = partial(drawn, FULL_WIDTH, 2.5 * -(-len(vectors) // PER_ROW), partial(plot_hodographs, sheet, vectors))
+    return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", drawing)
 
 
-def hodograph(sheet: Sheet, vector: str, ink: int) -> Panel:
-    """Fx against Fy from the origin; of a turn a dot every 30° and the quarters named."""
-    unit = sheet.unit(f"{vector}:x").on_page
-    force = [sheet.y(f"{vector}:{component}") for component in "xy"]
-    title = plain(vector.partition(":")[2] or vector)
-    curves = [Curve(force[0], force[1], ink=ink)]
-    notes: tuple[Note, ...] = ()
-    if sheet.is_turn:
-        degrees = np.arange(0, 360, DOTS)
-        dots = np.stack([np.interp(degrees, sheet.x, values, period=360.0) for values in force])
-        curves.append(Curve(dots[0], dots[1], ink=ink, line="", marker="o"))
-        quarters = zip(degrees, dots.T, strict=True)
-        notes = tuple(Note(float(x), float(y), f"{at}°") for at, (x, y) in quarters if not at % QUARTERS)
-    return Panel(tuple(curves), f"Fx, {unit}", f"Fy, {unit}", (), notes, "equal", names="", title=title)
+def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Mapping[str, str] = NO_TITLES) -> None:
+    """Fx against Fy of each from the origin, to its own scale; of a turn a dot every 30° and the quarters named."""
+    columns = min(PER_ROW, len(vectors))
+    rows = -(-len(vectors) // columns)
+    grid = host.subplots(rows, columns, squeeze=False).ravel()
+    for n, (axes, vector) in enumerate(zip(grid, vectors, strict=False)):
+        unit, colour = sheet.unit(f"{vector}:x").on_page, PALETTE[n % len(PALETTE)]
+        force = [sheet.y(f"{vector}:{component}") for component in "xy"]
+        axes.plot(*force, color=colour)
+        if sheet.is_turn:
+            degrees = np.arange(0, 360, DOTS)
+            dots = [np.interp(degrees, sheet.x, values, period=360.0) for values in force]
+            axes.plot(*dots, "o", color=colour)
+            for at, *place in zip(degrees, *dots, strict=True):
+                if not at % QUARTERS:
+                    axes.annotate(f"{at}°", place, (4.0, 4.0), textcoords="offset points")
+        axes.set_title(
+            wrap(titles.get(vector) or plain(vector.partition(":")[2] or vector), FULL_WIDTH / PER_ROW - 0.6)
+        )
+        axes.margins(0.1, 0.15)
+        axes.locator_params(nbins=4)
+        draw.finish(axes, f"Fx, {unit}", f"Fy, {unit}", equal=True)
+    for axes in grid[len(vectors) :]:
+        axes.remove()
 
 
 def _links(sheet: Sheet) -> Section:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,11 +16,11 @@ from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.quantities import JOINT_FORCE
 from comparisons.trials.judging.records import CONTROL, Error, Verdict
 from reports.document import numbers
-from reports.document.chart import Chart, Curve, Ink, Mark, Panel, packed
+from reports.document.packed import packed
 from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.records import (
-    SETTINGS,
+    LOOKS,
     Regime,
     Trace,
     View,
@@ -27,7 +28,6 @@ from reports.records import (
     columns,
     computed_or_shared,
     concurrency_note,
-    engines,
     family,
     looks,
     origin_words,
@@ -38,11 +38,16 @@ from reports.records import (
 )
 from reports.records import engines as all_engines
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 def engines_section(view: View) -> Section:
     """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file."""
     judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
-    parts: list[Part] = [PageFigure(anchor("judged", c.name), c.caption, c.caption, judged_chart([c])) for c in judged]
+    parts: list[Part] = [
+        PageFigure(anchor("judged", c.name), c.caption, c.caption, partial(judged_figure, [c])) for c in judged
+    ]
     parts += [errors_section(view, regime) for regime in view.regimes]
     if is_imported(view):
         return Section("engines", "Every error", tuple(parts))
@@ -161,11 +166,6 @@ def settings_words(details: Mapping[str, Any]) -> str:
 
 MOST: Final = 3  # curves of one picture
 HEIGHT: Final = 4.4  # inches: of the two panels of a curve
-LOOKS: Final = {
-    "closed form": Curve(ink="reference", width=3.4),
-    "file": Curve(ink=0, width=1.2),
-    "without the cause": Curve(ink=2, line="--", width=1.2),
-}
 
 
 @dataclass(frozen=True)
@@ -193,68 +193,81 @@ class JudgedCurve:
         return f"{self.name} of the file and of the closed form, and their difference, {self.error}{removed}."
 
 
-def judged_chart(curves: Sequence[JudgedCurve], head: tuple[str, ...] = ()) -> Chart:
-    """The curves side by side, each over its difference from the closed form."""
-    drawn = curves[:MOST]
-    panels = [_panel(curve, of_difference=below) for below in (False, True) for curve in drawn]
-    names = [name for name in LOOKS if name != "without the cause" or any(curve.cause for curve in drawn)]
-    key = tuple(replace(LOOKS[name], name=name) for name in names)
-    return Chart(tuple(panels), HEIGHT, columns=len(drawn), wide=True, head=head, key=key)
+def judged_figure(curves: Sequence[JudgedCurve], lines: Sequence[str] = ()) -> Figure:
+    """The curves side by side, each over its difference from the closed form, with the worst place marked."""
+    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
+    shown = curves[:MOST]
 
-def _panel(curve: JudgedCurve, *, of_difference: bool) -> Panel:
-    """The curves, or what they differ from the closed form by, with the worst place marked."""
-    time, truth = np.array(curve.time), np.array(curve.truth)
-    shown = {"closed form": truth, "file": np.array(curve.file)}
-    if curve.without is not None:
-        shown["without the cause"] = np.array(curve.without, dtype=float)
-    if of_difference:
-        shown = {name: values - truth for name, values in shown.items() if name != "closed form"}
-    curves = tuple(replace(LOOKS[name], x=time, y=y) for name, y in shown.items())
-    mark = Mark(curve.worst, name="" if of_difference else f"worst at {curve.worst:.5g} s", ink="limit")
-    label, title = (f"difference, {curve.unit}", "") if of_difference else (curve.unit, curve.name)
-    return Panel(curves, "time, s", label, (mark,), names="", title=title)
+    def place(figure: Figure) -> None:
+        host = draw.head(figure, lines)
+        grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
+        for curve, above, below in zip(shown, *grid, strict=True):
+            time, truth = np.array(curve.time), np.array(curve.truth)
+            above.plot(time, truth, color=draw.REFERENCE, linewidth=3.4, label="closed form")
+            found = {"file": (curve.file, draw.PALETTE[0], "-")}
+            if curve.without is not None:
+                found["without the cause"] = (curve.without, draw.PALETTE[2], "--")
+            for name, (values, colour, line) in found.items():
+                y = np.array(values, dtype=float)
+                above.plot(time, y, line, color=colour, linewidth=1.2, label=name)
+                below.plot(time, y - truth, line, color=colour, linewidth=1.2)
+            for axes in (above, below):
+                axes.axvline(curve.worst, color=draw.LIMIT, linestyle="--", linewidth=0.9)
+            above.set_title(
+                draw.wrap(f"{curve.name}, worst at {curve.worst:.5g} s", draw.FULL_WIDTH / len(shown) - 1.0)
+            )
+            draw.finish(above, "", curve.unit)
+            draw.finish(below, "time, s", f"difference, {curve.unit}")
+        host.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
+
+    return draw.drawn(draw.FULL_WIDTH, HEIGHT + draw.LINE * len(draw.head_lines(lines, draw.FULL_WIDTH)), place)
 
 
 # All errors of one mechanism at a glance: a dot per run and quantity, the limits as strokes.
 
 
-# Of the settings naive, tuned, best, as on the page.
-MARKERS: Final = ("x", "o", "D")
-# Inches of a row and of all else.
-ROW, FRAME = 0.22, 1.0
+ROW, FRAME = 0.22, 1.0  # inches of a row and of all else
+MARKERS: Final = {"circle": "o", "square": "s", "diamond": "D", "triangle-up": "^", "triangle-down": "v",
+                  "cross": "P", "x": "X"}  # fmt: skip
 # Nothing below round-off is worth a decade of the axis.
 LEAST_ERROR: Final = 1e-16
 
 
-def errors_chart(view: View, regime: Regime) -> Chart:
-    """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine."""
+def errors_figure(view: View, regime: Regime) -> Figure:
+    """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine.
+
+    An engine has its colour and symbol as on the pages; naive is open, best outlined.
+    """
+    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
+
     known = [record for record in view.of(regime) if record.error_max is not None]
     groups = grouped(((*record.run, family(record.quantity)), record) for record in known)
     records = [worst(group) for group in groups.values()]
     families = {family(record.quantity) for record in records}
-    quantities, invariants = ([name for name in part if name in families] for part in columns(view.results))
-    rows, lanes = [*quantities, *invariants], sorted({record.engine for record in records})
-    names, shown_setting = engines(view.results), view.shown_setting(regime)
+    rows = [name for part in columns(view.results) for name in part if name in families]
+    lanes, looks_of = sorted({record.engine for record in records}), looks(all_engines(view.results))
 
-    def dots(places: Sequence[tuple[float, Error]], name: str, ink: Ink, marker: str) -> Curve:
-        lane = [0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5) for _, record in places]
-        y = [rows.index(family(record.quantity)) + shift for (_, record), shift in zip(places, lane, strict=True)]
-        return Curve(np.array([place for place, _ in places]), np.array(y), name, ink, line="", marker=marker)
+    def height(record: Error) -> float:
+        return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
 
-    limits = [(record.limit, record) for record in records if record.setting == shown_setting and record.limit]
-    curves = [dots((), name, names.index(name), "s") for name in lanes]
-    for marker, setting in zip(MARKERS, SETTINGS, strict=True):
-        mine = [record for record in records if record.setting == setting]
-        curves += [dots((), setting, "ink", marker)] if mine else []
-        for engine in dict.fromkeys(record.engine for record in mine):
-            places = [(max(r.error_max or 0.0, LEAST_ERROR), r) for r in mine if r.engine == engine]
-            curves.append(dots(places, "", names.index(engine), marker))
-    curves.append(dots(limits, f"limit ({shown_setting})", "limit", "|"))
-    marks = (Mark(len(quantities) - 0.5, along="y"),) if invariants else ()
-    words = tuple(plain(name) for name in rows)
-    panel = Panel(tuple(curves), "largest |error| / peak", "", marks, scale="logx", names="key", rows=words)
-    return Chart((panel,), ROW * len(rows) * (1.0 + 0.2 * max(len(lanes) - 1, 0)) + FRAME, wide=True)
+    def place(figure: Figure) -> None:
+        axes = figure.subplots()
+        for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in records).items():
+            look = looks_of[engine]
+            colour = draw.PALETTE[int(look.ink[1:])]
+            edge = draw.INK if LOOKS.get(setting) == "outlined" else colour
+            axes.plot([max(r.error_max or 0.0, LEAST_ERROR) for r in mine], [*map(height, mine)], MARKERS[look.symbol],
+                      color=colour, markeredgecolor=edge, label=f"{engine} {setting}",
+                      fillstyle="none" if LOOKS.get(setting) == "open" else "full")  # fmt: skip
+        limits = [(r.limit, height(r)) for r in records if r.setting == view.shown_setting(regime) and r.limit]
+        axes.plot(*np.array(limits, dtype=float).reshape(-1, 2).T, "|", color=draw.LIMIT, label="limit")
+        axes.set(xscale="log", ylim=(len(rows) - 0.5, -0.5), xlabel="largest |error| / peak")
+        axes.xaxis.set_major_formatter("{x:.0e}")
+        axes.set_yticks(range(len(rows)), map(plain, rows))
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+    return draw.drawn(draw.FULL_WIDTH, ROW * len(rows) * (1.0 + 0.2 * max(len(lanes) - 1, 0)) + FRAME, place)
 
 
 # The curves of every run of a mechanism, and all its errors, as the page's chart takes them: few samples, packed.

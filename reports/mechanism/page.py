@@ -7,15 +7,17 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.trials.campaign.results import Results
+from reports.charts import draw
+from reports.charts.draw import PALETTE, WIDTH, drawn
 from reports.charts.moving import moving_scheme
 from reports.charts.scheme import thread_figure
-from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
     Bullets,
     Card,
@@ -31,9 +33,10 @@ from reports.document.parts import (
 from reports.document.templates import lines, sentence
 from reports.live import live_widget, model_of
 from reports.mechanism import designer
+from reports.mechanism.designer import finish, page_figure
 from reports.mechanism.engines import engines_section, errors_chart_widget
 from reports.mechanism.published import published_section
-from reports.mechanism.shown import figures_table, key_table, open_end_note, page_figure, panel, required_table
+from reports.mechanism.shown import figures_table, key_table, open_end_note, required_table
 from reports.records import View, anchor, views
 
 # Sections of a mechanism's page that some linkages have: the thread, and released cranks.
@@ -45,16 +48,21 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
     caption = f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
     drawing = partial(thread_figure, sheet.linkage, positions, thread)
     contour = page_figure(sheet, "contour", caption, "the thread's contour with the linkage", drawing)
-    unit = sheet.file_unit_of("m")
-    curves = [Curve(sheet.x, sheet.y("thread_feed"), "feed" if sheet.required else "", 1)]
-    if sheet.required and sheet.axis == "phi":
-        along = sheet.required["phi"] % FULL_TURN if sheet.is_turn else sheet.required["phi"]
-        required = sheet.required["required"] / unit.size
-        curves.append(Curve(along / sheet.axis_unit.size, required, "required", 0, line="", marker="o"))
-    feed = Chart((panel(sheet, curves, f"Pd, {unit.on_page}"),), 3.2)
+    feed = partial(drawn, WIDTH, 3.2, partial(_plot_feed, sheet))
     figures = FigureGroup((contour, page_figure(sheet, "feed", "Feed Pd of the thread.", "thread feed", feed)))
     tables = [figures_table(sheet, "thread"), *([required_table(sheet)] if sheet.required else [])]
     return Section("thread", "Thread", (figures, *tables))
+
+
+def _plot_feed(sheet: Sheet, figure: Figure) -> None:
+    """The feed over the motion, and the required one where the file has it."""
+    unit, axes = sheet.file_unit_of("m"), figure.subplots()
+    axes.plot(sheet.x, sheet.y("thread_feed"), color=PALETTE[1], label="feed")
+    if sheet.required and sheet.axis == "phi":
+        along = sheet.required["phi"] % FULL_TURN if sheet.is_turn else sheet.required["phi"]
+        axes.plot(along / sheet.axis_unit.size, sheet.required["required"] / unit.size, "o", label="required")
+        axes.legend()
+    finish(axes, sheet, f"Pd, {unit.on_page}")
 
 
 def released_section(sheet: Sheet) -> Section:
@@ -69,25 +77,32 @@ def released_section(sheet: Sheet) -> Section:
 
 def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
     """The crank's speed over time."""
-    curve = Curve(motion.motion["time"], motion.motion["omega"] / RPM)
-    chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
+
+    def place(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.plot(motion.motion["time"], motion.motion["omega"] / RPM)
+        draw.finish(axes, "time, s", "n, rpm")
+
     words = f"Crank speed under {regime}."
-    return page_figure(sheet, anchor("released", regime), words, words, chart)
+    return page_figure(sheet, anchor("released", regime), words, words, partial(drawn, WIDTH, 2.8, place))
 
 
 def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure, ...]:
     """Speed and acceleration over the last whole turn, where the crank ends in one."""
     if not motion.last_turn:
         return ()
-    degrees = np.degrees(motion.last_turn["phi"])
-    speed, acceleration = motion.last_turn["omega"] / RPM, motion.last_turn["epsilon"]
-    panels = (
-        Panel((Curve(degrees, speed),), "", "n, rpm", turn=True),
-        Panel((Curve(degrees, acceleration, ink=1),), "crank angle φ, °", "ε, rad/s²", turn=True),
-    )
+    turn = motion.last_turn
+
+    def place(figure: Figure) -> None:
+        upper, lower = figure.subplots(2, sharex=True)
+        upper.plot(np.degrees(turn["phi"]), turn["omega"] / RPM)
+        lower.plot(np.degrees(turn["phi"]), turn["epsilon"], color=PALETTE[1])
+        draw.finish(upper, "", "n, rpm", turn=True)
+        draw.finish(lower, "crank angle φ, °", "ε, rad/s²", turn=True)
+
     caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
     name = anchor("released", regime, "last-turn")
-    return (page_figure(sheet, name, caption, f"last turn under {regime}", Chart(panels, 2.8)),)
+    return (page_figure(sheet, name, caption, f"last turn under {regime}", partial(drawn, WIDTH, 2.8, place)),)
 
 
 # The page of one mechanism: what its designer wants, then how the engines did.

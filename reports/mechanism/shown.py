@@ -1,29 +1,21 @@
-"""A sheet in words and charts, as terminal, pages and pictures show it."""
+"""A sheet in words, as terminal, pages and pictures show it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-import numpy as np
-
-from analytic.description.law import FULL_TURN
 from analytic.description.written import FileUnit, fixed
 from comparisons.designer.curves import TIME, SignalFigure
 from comparisons.designer.figures import MEAN, PEAK_SPEED, SHAKING
 from comparisons.designer.linkage_check import warnings
 from comparisons.designer.sheet import Sheet
-from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
-from reports.document.parts import PageFigure, Table
+from reports.document.parts import Table
 from reports.document.templates import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
-
 
 # Of a table of key figures the heads of what they are, and of the numbers side by side; an output's have a unit each.
 HEADS: Final = {
@@ -170,44 +162,3 @@ def open_end_note(sheet: Sheet) -> str:
 def warning_texts(sheet: Sheet) -> list[str]:
     """What a reader is warned of: extremes at open ends, and probable slips of the file."""
     return [*([open_end_note(sheet)] if sheet.open_end_warning else []), *warnings(sheet.linkage)]
-
-
-def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
-    """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
-    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
-
-
-def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
-    """Curves over the axis, which is named where the panel is the last of a column."""
-    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
-    x_label = f"{name}, {sheet.axis_unit.on_page}" if is_last else ""
-    return Panel(tuple(curves), x_label, y_label, turn=sheet.is_turn)
-
-
-def signals_panel(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:
-    """Signals on one panel, each with the name of its curve; so many lines are solid, all others dashed."""
-    curves = [
-        Curve(sheet.x, sheet.y(signal), name, row, "-" if row < solid else "--")
-        for row, (signal, name) in enumerate(signals.items())
-    ]
-    return panel(sheet, curves, y_label)
-
-
-def stacked_chart(sheet: Sheet, names: Sequence[str], height: float) -> Chart:
-    """Signals one under the other over the axis, each with its peak marked."""
-    panels = []
-    for row, name in enumerate(names):
-        curves = (Curve(sheet.x, sheet.y(name), ink=row), *_peak_mark(sheet, name, row))
-        label = f"{'force' if name == 'Mkr' and sheet.is_linear else name}, {sheet.unit(name).on_page}"
-        panels.append(panel(sheet, curves, label, is_last=row == len(names) - 1))
-    return Chart(tuple(panels), height)
-
-
-def _peak_mark(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:
-    """A mark at the value of the largest magnitude of a signal."""
-    peak = sheet.peaks[name]
-    at = sheet.place_of(peak)
-    if peak.value is None or at is None:
-        return ()
-    along = (at % FULL_TURN if sheet.is_turn else at) / sheet.axis_unit.size
-    return (Curve(np.array([along]), np.array([peak.value / sheet.unit(name).size]), ink=ink, line="", marker="o"),)

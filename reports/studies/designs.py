@@ -71,7 +71,7 @@ class Sweep(Study):
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """Curves, maps or parallel coordinates of the designs."""
+        """Curves over one number, maps over two, dots over each number of more."""
         from reports.designs.sweep_picture import sweep_figure  # noqa: PLC0415 - a second that other calls save
 
         study = self.study
@@ -167,9 +167,7 @@ class Optimisation(Study):
 
     def plot(self) -> Figure:
         """The curves before and after."""
-        from reports.charts.draw import figure  # noqa: PLC0415 - half a second that other calls save
-
-        return figure(optimise_terminal.before_after_chart(self.best, self.conditions))
+        return optimise_terminal.before_after_figure(self.best, self.conditions)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
         """What is saved in a file of a suffix."""
@@ -227,9 +225,7 @@ class Tolerance(Study):
 
     def plot(self) -> Figure:
         """What each number contributes to each result."""
-        from reports.charts.draw import figure  # noqa: PLC0415 - half a second that other calls save
-
-        return figure(tolerance_terminal.tornado_chart(self.study))
+        return tolerance_terminal.tornado_figure(self.study)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
         """What is saved in a file of a suffix."""

@@ -124,13 +124,12 @@ class Comparison(Trials):
 
         Raises UnknownNameError for a name that was not compared.
         """
-        from reports.charts.draw import figure  # noqa: PLC0415
-        from reports.mechanism.engines import errors_chart  # noqa: PLC0415
+        from reports.mechanism.engines import errors_figure  # noqa: PLC0415
         from reports.records import views  # noqa: PLC0415
 
         view = _value_by_name("mechanism", mechanism, {view.linkage.name: view for view in views(self.results)})
         motions = {motion.name: motion for motion in view.regimes}
-        return figure(errors_chart(view, _value_by_name("regime", regime, motions)))
+        return errors_figure(view, _value_by_name("regime", regime, motions))
 
     def printout(self) -> Printout:
         """One table per mechanism and regime, then what has changed."""

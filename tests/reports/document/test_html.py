@@ -2,14 +2,15 @@
 
 import json
 import re
+from functools import partial
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 from markupsafe import Markup
 
+from reports.charts import draw
 from reports.document import html
-from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
     Bullets,
     Card,
@@ -36,8 +37,12 @@ TURN = np.linspace(0.0, 360.0, 50)
 
 
 def figure(name):
-    panel = Panel((Curve(TURN, np.sin(np.radians(TURN)), "S"),), "φ, °", "S, mm", turn=True)
-    return PageFigure(name, FOREIGN, FOREIGN, Chart((panel,)))
+    def place(whole):
+        axes = whole.subplots()
+        axes.plot(TURN, np.sin(np.radians(TURN)))
+        draw.finish(axes, "φ, °", "S, mm", turn=True)
+
+    return PageFigure(name, FOREIGN, FOREIGN, partial(draw.drawn, draw.WIDTH, 3.0, place))
 
 
 TABLE = Table(

@@ -8,14 +8,13 @@ import pytest
 from comparisons.motion.thinning import EXTREMES, WORST
 from comparisons.trials.judging.records import Verdict
 from engines.contract import Setting
-from reports.document.chart import packed
+from reports.document.packed import packed
 from reports.document.parts import Table, TableCell
 from reports.mechanism.engines import (
-    MARKERS,
     chart_data,
     curves,
-    errors_chart,
     errors_chart_widget,
+    errors_figure,
     errors_section,
 )
 from reports.records import views
@@ -137,19 +136,12 @@ def test_the_chart_has_every_error_and_names_the_quantities_with_curves(view):
 # Every error at a glance.
 
 
-def panel_of(**more):
-    (view,) = views(made_up_results(samples=51, **more))
-    chart = errors_chart(view, view.regimes[0])
-    (panel,) = chart.panels
-    return view, chart, panel
-
-
 def test_every_record_has_a_dot_in_its_row_and_those_of_the_view_s_setting_a_limit():
-    view, _, panel = panel_of()
-    dots = [curve for curve in panel.curves if curve.marker in MARKERS]
-    assert sum(len(curve.x) for curve in dots) == len(view.records)
-    (limits,) = [curve for curve in panel.curves if curve.marker == "|"]
-    assert len(limits.x) == sum(record.setting == "tuned" for record in view.records)
+    (view,) = views(made_up_results(samples=51))
+    (axes,) = errors_figure(view, view.regimes[0]).axes
+    *dots, limits = [line for line in axes.lines if not line.get_label().startswith("_")]
+    assert sum(len(line.get_xdata()) for line in dots) == len(view.records)
+    assert (limits.get_label(), len(limits.get_xdata())) == ("limit", sum(r.setting == "tuned" for r in view.records))
     worst = max(record.error_max for record in view.records)
-    (place,) = {curve.y[np.argmax(curve.x)] for curve in dots if max(curve.x, default=0.0) == worst}
-    assert panel.rows[round(place)] in {r.quantity.replace("_", " ") for r in view.records if r.error_max == worst}
+    rows = {axes.get_yticklabels()[round(y)].get_text() for line in dots for x, y in line.get_xydata() if x == worst}
+    assert rows == {r.quantity.replace("_", " ") for r in view.records if r.error_max == worst}

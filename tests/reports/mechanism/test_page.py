@@ -130,10 +130,9 @@ def fed():
 def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
     section = thread_section(fed, fed.thread, fed.positions)
     pictures, table, required = section.parts
-    curve, points = pictures.figures[1].drawing.panels[0].curves
-    assert points.x.tolist() == pytest.approx([0.0, 60.0, 300.0])
-    assert points.y.tolist() == pytest.approx([7.0, 40.0, 14.0])
-    assert np.ptp(curve.y) == pytest.approx(50.469, abs=1e-3)
+    curve, points = pictures.figures[1].drawing().axes[0].lines[:2]
+    assert points.get_xydata() == pytest.approx(np.array([(0.0, 7.0), (60.0, 40.0), (300.0, 14.0)]))
+    assert np.ptp(curve.get_ydata()) == pytest.approx(50.469, abs=1e-3)
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["range of the feed"][0] == "50.47"
     assert [rows[what][-1] for what in ("P7 highest", "P7 lowest")] == ["117.97", "352.35"]
@@ -144,7 +143,7 @@ def test_the_section_of_a_thread_has_its_contour_feed_and_tables(fed):
 def test_what_cannot_be_computed_anew_is_given_as_samples_of_the_motion():
     sheet = shown()
     widget = live_widget(sheet, "its crank is released", ())
-    names = [one["name"] for one in widget.data["results"]]
+    names = [*(one["name"] for one in widget.data["results"]), *widget.data["further"]]
     phi, *rows = unpacked(widget.further["model"]["samples"])
     found = dict(zip(names, rows, strict=True))
     time = np.linspace(0.0, widget.data["motion"]["duration"], len(phi))
