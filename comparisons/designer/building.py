@@ -331,8 +331,9 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
     (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; φ at the ``end``
     within a turn.
     """
-    ending = _attempt(lambda: last_turns(motion)) if regime.torque else None
-    settled = _attempt(lambda: steady_state(mechanism, regime.torque)) if regime.torque else None
+    # There may be no whole turn, and no rotation that repeats itself.
+    ending = _try_part({}, "", lambda: last_turns(motion), None) if regime.torque else None
+    settled = _try_part({}, "", lambda: steady_state(mechanism, regime.torque), None) if regime.torque else None
     facts: dict[str, Any] = {
         "torque": regime.torque,
         "over": "angle" if regime.over_angle is not None else "time" if regime.over_time is not None else "",
@@ -356,14 +357,6 @@ def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str,
         np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
     )
     return {name: curve[places] for name, curve in zip(names, curves, strict=True)}
-
-
-def _attempt(make: Callable[[], T]) -> T | None:
-    """The result, or None on LinkproofError: there may be no whole turn, or no periodic rotation."""
-    try:
-        return make()
-    except LinkproofError:
-        return None
 
 
 def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:

@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.written import file_unit
-from analytic.designs.figures import Figure
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import AnyGroup, ClosedGroup
 from analytic.kinematics.sweep import Sweep, transmission_angle
 from analytic.numerics.roots import roots
-from analytic.signals import MovingSweep, signal
 
 Array = NDArray[np.float64]
 
@@ -143,21 +141,3 @@ def _cure(mechanism: Mechanism, reach: CrankRange) -> str:
             f"--from {first:.6g} --to {last:.6g} keeps every transmission angle at {math.degrees(BINDS):.0f}° or more"
         )
     return f"no part of the range has a transmission angle of {math.degrees(BINDS):.0f}°: change the lengths"
-
-
-def figures_at_open_ends(
-    mechanism: Mechanism, figures: Sequence[Figure], places: Array, speed: float
-) -> tuple[list[bool], Sequence[OpenEnd]]:
-    """Which figures have an extreme at an open end of a motion over ``places`` (n,), ascending, and these ends."""
-    ends = open_ends(mechanism, float(places[0]), float(places[-1]))
-    if not ends:
-        return [False] * len(figures), ()
-    sweep = mechanism.sweep(places)
-    farthest = float(np.max(sweep.output())) if mechanism.linkage.output else 0.0
-    at = MovingSweep(mechanism, sweep, np.asarray(speed), np.zeros(()), farthest)
-    tops = [
-        [float(places[np.argmax(extreme.height(signal(at, figure.signal)))]) for extreme in figure.extremes]
-        for figure in figures
-    ]
-    marks = [any(end.has(top) for end in ends for top in places) for places in tops]
-    return marks, [end for end in ends if any(end.has(top) for places in tops for top in places)]

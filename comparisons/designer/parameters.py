@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -26,9 +27,9 @@ from analytic.kinematics.dead_centres import top_dead_centre
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.signals import unit
+from analytic.signals import MovingSweep, signal, unit
 from comparisons.designer.linkage_check import load_name
-from comparisons.designer.open_ends import figures_at_open_ends, inset_ends, open_end_warning
+from comparisons.designer.open_ends import inset_ends, open_end_warning, open_ends
 
 Array = NDArray[np.float64]
 
@@ -243,16 +244,27 @@ class SteadyCase:
 
     def open_ends(self, figures: Sequence[NamedFigure]) -> OpenEndFigures:
         """The figures whose extremes say no more than where the motion is cut off beside a dead position."""
-        if self.is_full_turn:
-            return OpenEndFigures((), "")
-        every = [each.figure for each in figures]
-        marks, ends = figures_at_open_ends(self.mechanism, every, self.places, self.speed)
-        names = tuple(each.name for each, is_open in zip(figures, marks, strict=True) if is_open)
+        ends = () if self.is_full_turn else open_ends(self.mechanism, self.places[0], self.places[-1])
+        tops = {each.name: self._tops(each) for each in figures} if ends else {}
+        names = tuple(name for name, places in tops.items() if any(end.has(top) for end in ends for top in places))
         if not names:
             return OpenEndFigures((), "")
         verb = "has its extreme" if len(names) == 1 else "have their extremes"
-        words = open_end_warning(self.mechanism, ends)
+        met = [end for end in ends if any(end.has(top) for places in tops.values() for top in places)]
+        words = open_end_warning(self.mechanism, met)
         return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
+
+    def _tops(self, named: NamedFigure) -> list[float]:
+        """The places, rad or m, among those sampled at which the signal of a figure has the extremes that make it."""
+        heights = (extreme.height(signal(self._moving, named.figure.signal)) for extreme in named.figure.extremes)
+        return [float(self.places[np.argmax(height)]) for height in heights]
+
+    @cached_property
+    def _moving(self) -> MovingSweep:
+        """The linkage of the file at the places."""
+        sweep = self.mechanism.sweep(self.places)
+        farthest = float(np.max(sweep.output())) if self.linkage.output else 0.0
+        return MovingSweep(self.mechanism, sweep, np.asarray(self.speed), np.zeros(()), farthest)
 
     def loads_that_stay(self, designs: Iterable[Mapping[str, float]]) -> str:
         """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
