@@ -15,7 +15,7 @@ from comparisons.filejudge.fault_ranking import FaultFinding
 from comparisons.filejudge.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
 from comparisons.motion.thinning import extreme_samples
 from comparisons.trials.judging.limits import grouped
-from comparisons.trials.judging.records import Error, Run, Verdict
+from comparisons.trials.judging.records import Error, RunRecord, Verdict
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
@@ -189,7 +189,7 @@ def _remaining_error(finding: FaultFinding) -> str:
 # A judgement of another tool's results as JSON: plain numbers, SI, angles in rad.
 
 
-def document(judgement: ImportedJudgement, run: Run, command: str, sentence: str) -> dict[str, Any]:
+def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentence: str) -> dict[str, Any]:
     """The JSON document of ``judge``."""
     return {
         "command": command,
@@ -212,11 +212,11 @@ def document(judgement: ImportedJudgement, run: Run, command: str, sentence: str
     }
 
 
-def run_of_judgement(judgement: ImportedJudgement, files: str) -> Run:
+def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
     """A judgement as a run: the files stand in an engine's place, and an error's detail names its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
-    run = Run(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING, runs=1)
+    run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING, runs=1)
     errors = (verdict.record(run.blank) for verdict in judgement.verdicts)
     return replace(run, errors=tuple(_with_cause(error, judgement) for error in errors))
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.description.written import change
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.conformance.mutants import MUTANT
 from comparisons.trials.conformance.trial import CheckResult, Finding
 from comparisons.trials.judging.changes import CLOSED_FORM, Change, ChangeKind
@@ -63,7 +63,7 @@ class Trace:
 class View:
     """One mechanism in one variant, with its part of the results."""
 
-    results: Results
+    results: CampaignResults
     linkage: Linkage
 
     @cached_property
@@ -127,7 +127,7 @@ class View:
         return Trace(record, time, angle, reference + beyond, reference, error)
 
 
-def views(results: Results) -> tuple[View, ...]:
+def views(results: CampaignResults) -> tuple[View, ...]:
     """One view per mechanism and variant, in the campaign's order."""
     return tuple(View(results, linkage) for linkage in results.linkages)
 
@@ -165,7 +165,7 @@ def holds_acceleration(quantity: str) -> bool:
     return known.holds_acceleration if known else True
 
 
-def engines(results: Results) -> tuple[str, ...]:
+def engines(results: CampaignResults) -> tuple[str, ...]:
     """Names of all requested engines, sorted: an engine keeps its colour within a report."""
     return tuple(sorted({record.engine for record in results.records}))
 
@@ -201,7 +201,7 @@ def setting_rank(setting: str) -> int:
     return SETTINGS.index(setting) if setting in SETTINGS else len(SETTINGS)
 
 
-def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Families of the quantities and names of the invariants, in the order of their definition."""
     table = dict.fromkeys(family(record.quantity) for record in results.records)
     known = [name for name in QUANTITIES if name in table]
@@ -219,7 +219,7 @@ def share(record: Error) -> float:
     return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
-def every_record(results: Results) -> tuple[Error, ...]:
+def every_record(results: CampaignResults) -> tuple[Error, ...]:
     """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity."""
     mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
     names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
@@ -265,7 +265,7 @@ def _limit(record: Error, limits: LimitTable) -> tuple[float, str]:
     return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"
 
 
-def limit_table(results: Results) -> Table:
+def limit_table(results: CampaignResults) -> Table:
     """The limits of these records, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
     groups = grouped((_limit(record, results.limits), record) for record in every_record(results))

@@ -24,7 +24,7 @@ from analytic.numerics.averages import averages
 from analytic.numerics.refine import Integers, highest_each
 from analytic.numerics.roots import root, roots
 from comparisons.designer.open_ends import OpenEnd, open_ends
-from comparisons.motion.case import Case, Motion, Truth
+from comparisons.motion.case import Case, DriverMotion, Truth
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class Instants:
     ``turns`` marks an angle, of which whole turns do not count, not a travel.
     """
 
-    motion: Motion
+    motion: DriverMotion
     turns: bool = True
 
     @cached_property

@@ -72,7 +72,7 @@ class Distribution(StrEnum):
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class TolerancedNumber:
     """A number with its ±, SI; ``point`` is the point or direction whose length or angle it is, else empty."""
 
     parameter: Parameter
@@ -117,7 +117,7 @@ def read_tolerances(path: Path) -> Tolerances:
 
 def tolerances(
     linkage: Linkage, table: Mapping[str, Any], where: str = "", speed: float = math.nan
-) -> tuple[Tolerance, ...]:
+) -> tuple[TolerancedNumber, ...]:
     """Tolerances of a linkage, and of its driver's ``speed``, SI, by name.
 
     A value is a number, a text with a unit, or a table of ± and distribution.
@@ -167,7 +167,7 @@ def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
 
 def _read_tolerance(
     xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str
-) -> Tolerance:
+) -> TolerancedNumber:
     """One tolerance from its value in the table; raises LinkproofError that begins with ``where``."""
     if name not in known:
         raise LinkproofError(
@@ -187,7 +187,7 @@ def _read_tolerance(
         raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
     if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
         raise LinkproofError(f"{where}speed: expected a ± up to half of the speed, got a larger one; lessen it")
-    return Tolerance(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
+    return TolerancedNumber(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
 
 
 def _read_plus_minus(number: Parameter, value: object, where: str) -> float:
@@ -231,7 +231,7 @@ class ToleranceRequest:
     """A linkage in a case, tolerances of its numbers, the results they may move, and the number of random designs."""
 
     case: SteadyCase
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[TolerancedNumber, ...]
     figures: tuple[NamedFigure, ...]
     samples: int
 

@@ -29,7 +29,7 @@ from comparisons.filejudge.hypotheses import (
     wrap_angle,
 )
 from comparisons.filejudge.simulation import CRANK, JUMPING, LINKAGE, Simulation
-from comparisons.motion.case import Motion
+from comparisons.motion.case import DriverMotion
 from comparisons.trials.judging.quantities import near_jumps
 
 Array = NDArray[np.float64]
@@ -127,7 +127,7 @@ class Fitting:
             remains[n] = self._residual(n, curve, other.motion if moved else None)
         return remains
 
-    def _residual(self, number: int, curve: Array, moved: Motion | None) -> Array:
+    def _residual(self, number: int, curve: Array, moved: DriverMotion | None) -> Array:
         """The residual of a column, (n,), besides the jumps of a motion that has ``moved``."""
         signal = self.evidence[number]
         apart = signal.values - curve

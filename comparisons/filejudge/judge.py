@@ -26,7 +26,7 @@ from comparisons.filejudge.crank_column import (
 from comparisons.filejudge.fault_ranking import Explanation, explain, proposals
 from comparisons.filejudge.hypotheses import Evidence
 from comparisons.filejudge.simulation import CRANK, JUMPING, MOTION, Simulation
-from comparisons.motion.case import Motion
+from comparisons.motion.case import DriverMotion
 from comparisons.trials.judging.quantities import Deviation, near_jump, near_jumps
 from comparisons.trials.judging.records import IMPORTED, Error, Verdict
 
@@ -60,7 +60,7 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
     return floors
 
 
-def _largest_nearby(differences: Sequence[Array], motion: Motion) -> Array:
+def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array:
     """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
@@ -157,7 +157,7 @@ class SignalVerdict(Evidence):
             "digits, or say how it moves with --regime"
         )
 
-    def deviation(self, motion: Motion) -> Deviation:
+    def deviation(self, motion: DriverMotion) -> Deviation:
         """The curves of the signal, which a campaign keeps beside its record."""
         return Deviation(
             self.time, motion.angle(self.time), self.values, self.truth, self.scale, self.error_max, self.error_rms,
@@ -296,7 +296,7 @@ class ImportedJudgement:
 def judge(
     linkage: Linkage,
     imported: ImportedResults,
-    motion: Motion | None = None,
+    motion: DriverMotion | None = None,
     *,
     limit: float = DEFAULT_LIMIT,
     start_angle: float = 0.0,
@@ -334,8 +334,8 @@ def judge(
 
 
 def _crank_motion(
-    imported: ImportedResults, motion: Motion | None, start_angle: float
-) -> tuple[Motion, str, ImportedSignal | None]:
+    imported: ImportedResults, motion: DriverMotion | None, start_angle: float
+) -> tuple[DriverMotion, str, ImportedSignal | None]:
     """The crank's motion, its source in words, and the column that gives it; None where the motion is stated."""
     signals = imported.signals
     if motion is not None:
@@ -363,7 +363,7 @@ def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     return time, values, signal.rounding + open_ * np.abs(np.gradient(values, time))
 
 
-def _over_time(signal: ImportedSignal, motion: Motion) -> ImportedSignal:
+def _over_time(signal: ImportedSignal, motion: DriverMotion) -> ImportedSignal:
     """A signal at even times; of one over the crank angle they are those of a constant speed."""
     time, rounding = even_instants(signal.time, signal.time_rounding)
     order = np.arange(len(time))

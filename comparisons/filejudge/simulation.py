@@ -18,7 +18,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.signals import signal, unit
 from comparisons.filejudge.columns import SignalTimes
-from comparisons.motion.case import Motion, Truth
+from comparisons.motion.case import DriverMotion, Truth
 from comparisons.trials.judging.quantities import near_jumps
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Simulation:
     """
 
     linkage: Linkage
-    motion: Motion
+    motion: DriverMotion
     modes: tuple[int, ...] | None = None
     columns: Mapping[str, ColumnKnobs] = field(default_factory=dict)
     _seen: dict[tuple[str, bytes], Array] = field(default_factory=dict, init=False, compare=False, repr=False)
@@ -194,7 +194,7 @@ def _motion_parts(linkage: Linkage) -> list[Any]:
 class ChangedMotion:
     """``pace`` φ(t + ``shift``) + ``offset``; derivatives above ``order`` are left out: 0 of them leave rest."""
 
-    motion: Motion
+    motion: DriverMotion
     pace: float = 1.0
     offset: float = 0.0
     shift: float = 0.0

@@ -28,7 +28,7 @@ from analytic.errors import LinkproofError, printable, shortened
 from analytic.files import check_file, read_file
 from comparisons.filejudge.columns import Array, Column, ResultTable
 from comparisons.filejudge.headers import parse_unit
-from comparisons.trials.runs.run_engine import Bounds, Lost
+from comparisons.trials.runs.run_engine import Lost, RunBounds
 from comparisons.trials.runs.workers import LocalPool, most_processes
 
 EXPECTED: Final = "a file of results, such as a CSV"
@@ -38,7 +38,7 @@ MOST_COLUMNS: Final = 10_000
 MOST_LINES: Final = 5000  # of text, headers among them
 # Of a number: squares of larger ones are beyond all numbers. What is smaller than 1 over it is 0.
 LARGEST_NUMBER: Final = 1e100
-READER: Final = Bounds(60.0, 1 << 30)  # of the process that reads a workbook or a MATLAB file
+READER: Final = RunBounds(60.0, 1 << 30)  # of the process that reads a workbook or a MATLAB file
 
 R = TypeVar("R")
 

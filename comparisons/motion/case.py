@@ -47,7 +47,7 @@ MOST_CLOCKS: Final = 4
 AT_REST: Final = 1e-9  # of the peak speed
 
 
-class Motion(Protocol):
+class DriverMotion(Protocol):
     """A crank motion, prescribed or integrated."""
 
     @property
@@ -86,7 +86,7 @@ class Motion(Protocol):
 # The zero of S: the top dead centre, or the farthest point of a motion whose crank cannot turn fully.
 
 
-def zero_of_output(mechanism: Mechanism, motion: Motion) -> float:
+def zero_of_output(mechanism: Mechanism, motion: DriverMotion) -> float:
     """The output's coordinate at which S is 0, m.
 
     It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches,
@@ -96,7 +96,7 @@ def zero_of_output(mechanism: Mechanism, motion: Motion) -> float:
     return _farthest_reached(mechanism, motion) if top is None else top
 
 
-def _farthest_reached(mechanism: Mechanism, motion: Motion) -> float:
+def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
     """The largest coordinate, m, of the output over a motion, between instants too."""
     time = np.linspace(0.0, motion.duration, INSTANTS)
 
@@ -166,7 +166,7 @@ class Truth(LinkageInMotion):
     """The closed form at the instants ``time`` (n,), s, of a motion: each part computed once, when it is needed."""
 
     mechanism: Mechanism
-    motion: Motion
+    motion: DriverMotion
     time: Array
 
     @cached_property
@@ -195,7 +195,7 @@ class Case:
     """One mechanism under one crank motion; ``drive`` is what an engine is given, the motion itself by default."""
 
     mechanism: Mechanism
-    motion: Motion
+    motion: DriverMotion
     drive: Drive | None = None
     conditions: str = ""
     _seen: dict[bytes, Truth] = field(default_factory=dict, init=False, compare=False, repr=False)
@@ -381,7 +381,7 @@ def _torque_words(regime: ReleasedRegime, unit: str) -> str:
     return f"{regime.torque:g} {unit}"
 
 
-def free_drive(motion: Motion, regime: ReleasedRegime) -> Free:
+def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
     """The drive of a released crank for an engine: torque, duration, and the fastest change of speed to expect, rad/s.
 
     From the last an engine chooses its steps.

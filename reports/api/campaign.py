@@ -17,18 +17,17 @@ from analytic.description.loading import LinkageFile, catalogue, known_names, lo
 from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
 from comparisons.trials.campaign.campaign import CampaignRequest, each_case, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
-from comparisons.trials.campaign.results import Results, document, judgement, save
+from comparisons.trials.campaign.results import CampaignResults, document, judgement, save
 from comparisons.trials.campaign.results import load as load_results
 from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.exported_run import exported
-from comparisons.trials.judging.changes import read_rows
+from comparisons.trials.judging.changes import Change, read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
-from comparisons.trials.judging.records import Error, Run
+from comparisons.trials.judging.records import Error, RunRecord
 from comparisons.trials.runs.cluster import DaskPool
 from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.plugins import engines as adapters
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB
-from comparisons.trials.runs.run_engine import Bounds as RunBounds
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, RunBounds
 from comparisons.trials.runs.workers import LocalPool, Pool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
@@ -272,14 +271,14 @@ class Campaign:
             if folder is not None:
                 save(folder, table, runs)
         remark = "" if given["engine"] else missing_engines(asked.engines)
-        result = Comparison(Results(table, runs)) if folder is None else Comparison.load(folder)
+        result = Comparison(CampaignResults(table, runs)) if folder is None else Comparison.load(folder)
         return replace(result, processes=self.resources.processes, remark=remark)
 
-    def _document(self, runs: Sequence[Run], *, is_saved: bool) -> dict[str, Any]:
+    def _document(self, runs: Sequence[RunRecord], *, is_saved: bool) -> dict[str, Any]:
         """Everything but the runs, JSON-ready; of more than one run, how many are made side by side."""
         readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(self.request.engines)}
         table = document(self.request, self.command + (" --out DIR" if is_saved else ""), readouts)
-        figures, changed = closed_form(self.request, every_variant=self.every_variant), ()
+        figures, changed = closed_form(self.request, every_variant=self.every_variant), tuple[Change, ...]()
         if self.before is not None:
             rows = (*(error for run in runs for error in run.every), *figures)
             changed = changes_since(self.before, rows, self.request, every_variant=self.every_variant)
@@ -307,4 +306,4 @@ def script(asked: CampaignRequest, file: Path, command: str) -> Script:
             "one --setting"
         )
     write_file(file, exported(cases[0], asked.engines[0], settings[0], command))
-    return Script(Results(document(asked, command), ()), written=(file,))
+    return Script(CampaignResults(document(asked, command), ()), written=(file,))

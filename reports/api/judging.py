@@ -20,7 +20,7 @@ from comparisons.filejudge.columns import ImportedResults
 from comparisons.filejudge.judge import ImportedJudgement
 from comparisons.filejudge.judge import judge as judge_results
 from comparisons.filejudge.reading import read_results
-from comparisons.motion.case import Motion
+from comparisons.motion.case import DriverMotion
 from reports.api.motions import check_motion, requested_motion
 from reports.api.options import Motion as Asked
 
@@ -53,7 +53,7 @@ def judge_files(
     )
 
 
-def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> Motion | None:
+def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> DriverMotion | None:
     """The motion of the regime; constant speed for a speed alone or signals over φ; None if the file's columns give it.
 
     Raises LinkproofError for signals over φ under a speed that changes, since they do not say when.
@@ -77,7 +77,7 @@ def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> Moti
     return motion
 
 
-def _check_end(motion: Motion, imported: ImportedResults) -> None:
+def _check_end(motion: DriverMotion, imported: ImportedResults) -> None:
     """Raise LinkproofError for times of a file that are more than a sample after the end of the stated motion."""
     for signal in imported.signals:
         if signal.axis == "time" and len(signal.time) > 1 and float(signal.time[-2]) > motion.duration:

@@ -38,7 +38,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import STEADY, range_motion
 from comparisons.designer.curves import Instants
 from comparisons.designer.open_ends import inset_ends
-from comparisons.motion.case import Case, Motion, case_of_file_regime
+from comparisons.motion.case import Case, DriverMotion, case_of_file_regime
 from reports.api.options import TIMED, Numbers
 from reports.api.options import Motion as Asked
 
@@ -62,7 +62,7 @@ def requested_motions(options: Asked, linkages: Sequence[Linkage]) -> RequestedM
     return RequestedMotions(motions, conditions, _own_regimes(options, linkages))
 
 
-def requested_motion(options: Asked, mechanism: Mechanism) -> Motion | None:
+def requested_motion(options: Asked, mechanism: Mechanism) -> DriverMotion | None:
     """The one motion that is requested; None if the options name none.
 
     Raises LinkproofError for a motion that is impossible or unknown, and for several.

@@ -9,7 +9,7 @@ from urllib.parse import urlencode
 from markupsafe import Markup
 
 from comparisons.designer.sheet import Sheet
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.records import Error, Verdict
 from engines.contract import Setting
@@ -107,7 +107,7 @@ PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving sc
 
 
 def index(
-    results: Results | None,
+    results: CampaignResults | None,
     sheets: Sequence[Sheet],
     studies: tuple[Words, ...] = (),
     cost: tuple[Paragraph, ...] = (),
@@ -132,14 +132,16 @@ def index(
     )
 
 
-def _page_heading(results: Results | None) -> str:
+def _page_heading(results: CampaignResults | None) -> str:
     if results is None:
         return "Planar linkages in closed form"
     words = results.document.get("judgement")
     return "Is this simulation right?" if words else "Which engine to trust for which quantity?"
 
 
-def _verdict(results: Results | None, trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterator[Part]:
+def _verdict(
+    results: CampaignResults | None, trust: EngineRanking | None, cost: tuple[Paragraph, ...]
+) -> Iterator[Part]:
     """The verdict on the engines with its picture, or the judgement of another tool's results."""
     judgement = results.document.get("judgement") if results is not None else None
     first, *others = judgement or (verdict(trust) if trust else ()) or ("",)
@@ -151,7 +153,7 @@ def _verdict(results: Results | None, trust: EngineRanking | None, cost: tuple[P
     yield from cost
 
 
-def _engines_section(results: Results, trust: EngineRanking) -> tuple[Section, ...]:
+def _engines_section(results: CampaignResults, trust: EngineRanking) -> tuple[Section, ...]:
     """The engines' results, or every signal of another tool's results."""
     if "judgement" in results.document:
         signals = [
@@ -324,7 +326,7 @@ def _mechanisms_section(trust: EngineRanking | None, sheets: Sequence[Sheet]) ->
     return (Section("mechanisms", "The mechanisms", (*still, cards)),)
 
 
-def _run_section(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     """What was run, limits, read-outs and limitations, behind a line that opens them."""
     readouts = tuple(readout_table(name, words) for name, words in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
@@ -341,7 +343,7 @@ def _run_section(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ..
     return (Section("run", "What was run", (Fold(summary, parts),)),)
 
 
-def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
+def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
     """Everything that decides a figure or a time of the report."""
     engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
@@ -357,7 +359,7 @@ def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
     )
 
 
-def _limitation_sentences(results: Results, sheets: Sequence[Sheet]) -> tuple[str, ...]:
+def _limitation_sentences(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[str, ...]:
     released = {regime for sheet in sheets for regime in sheet.released}
     return tuple(
         lines(

@@ -10,10 +10,10 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.changes import Change
 from comparisons.trials.judging.limits import deciding, grouped
-from comparisons.trials.judging.records import Error, Run, Verdict
+from comparisons.trials.judging.records import Error, RunRecord, Verdict
 from reports.campaign.index import families_table
 from reports.campaign.verdict import EngineRanking, verdict
 from reports.document.markdown import written
@@ -23,7 +23,7 @@ from reports.mechanism.engines import errors_section
 from reports.records import changes_table, limit_table, views
 
 
-def markdown(results: Results) -> str:
+def markdown(results: CampaignResults) -> str:
     """The summary of a campaign."""
     facts = results.document.get("judgement", [])
     trust = EngineRanking(results)
@@ -59,7 +59,7 @@ ILLEGAL: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
-def junit(runs: Iterable[Run], changes: Sequence[Change] = ()) -> str:
+def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
     """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
 
     Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from comparisons.trials.judging.changes import Change
 from comparisons.trials.judging.limits import grouped
-from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict
+from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
@@ -32,7 +32,7 @@ DETAILS = (
 
 
 def printout(
-    runs: Iterable[Run],
+    runs: Iterable[RunRecord],
     changes: Sequence[Change] = (),
     environment: Mapping[str, str] = MappingProxyType({}),
 ) -> Printout:
@@ -50,7 +50,7 @@ def printout(
     return Printout(_motion_tables(runs, changes, concurrency_note(environment)), closing, _detail_tables(runs))
 
 
-def _motion_tables(runs: Iterable[Run], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
+def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
@@ -63,14 +63,14 @@ def _motion_tables(runs: Iterable[Run], changes: Sequence[Change], while_others:
         yield ""
 
 
-def _detail_tables(runs: Iterable[Run]) -> Iterator[Printed]:
+def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
         yield ""
 
 
-def _by_motion(runs: Iterable[Run]) -> Iterator[list[Run]]:
+def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
     """The runs of each mechanism and regime, those of the reference's control last."""
     for _, part in groupby((run for run in runs if run.errors), key=lambda run: run.run[:3]):
         yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
@@ -82,11 +82,11 @@ def _counts(changes: Sequence[Change]) -> list[str]:
     return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 
 
-def _motion_heading(run: Run) -> Paragraph:
+def _motion_heading(run: RunRecord) -> Paragraph:
     return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
-def _mechanism_table(runs: Sequence[Run], while_others: str) -> Table:
+def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     every = [run.every for run in runs]
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
@@ -100,7 +100,7 @@ def _mechanism_table(runs: Sequence[Run], while_others: str) -> Table:
     return Table("", head, rows)
 
 
-def _computed_or_shared(runs: Sequence[Run]) -> list[str]:
+def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
     """The values that adapters compute themselves, a line for each run with such values."""
     names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
@@ -136,7 +136,7 @@ def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
     )  # fmt: skip
 
 
-def _reasons(runs: Iterable[Run]) -> list[str]:
+def _reasons(runs: Iterable[RunRecord]) -> list[str]:
     """Why runs gave nothing, or nothing that is judged; each reason once, with where."""
     records = (
         record
@@ -152,7 +152,7 @@ def _is_within(record: Error) -> bool:
     return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
-def _remedies(runs: Iterable[Run]) -> list[str]:
+def _remedies(runs: Iterable[RunRecord]) -> list[str]:
     """What to do about runs over their limits, each sentence once, with its places."""
     where = grouped(
         ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := remedy(run.every))
@@ -160,7 +160,7 @@ def _remedies(runs: Iterable[Run]) -> list[str]:
     return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
 
 
-def _closing_line(runs: Iterable[Run]) -> str:
+def _closing_line(runs: Iterable[RunRecord]) -> str:
     counts, left_out = Counter[str](), 0
     for record in (quantity_record for run in runs for quantity_record in (*run.errors, *run.invariants)):
         counts[record.outcome] += 1

@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import Final
 
 from analytic.description.linkage import ReleasedRegime
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.limits import deciding, grouped
-from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict
+from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict
 from engines.contract import Setting
 from reports.document import numbers
 from reports.document.numbers import figure
@@ -66,7 +66,7 @@ class EngineRecords:
 class EngineRanking:
     """The ranking of a campaign's engines."""
 
-    results: Results
+    results: CampaignResults
 
     @cached_property
     def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
@@ -105,7 +105,7 @@ class EngineRanking:
         """All records of an engine at a setting."""
         return tuple(r for key, cell in self.cells.items() if key[:2] == (engine, setting) for r in cell.records)
 
-    def runs(self, engine: str, setting: str) -> list[Run]:
+    def runs(self, engine: str, setting: str) -> list[RunRecord]:
         """All runs of an engine at a setting."""
         return [run for run in self.results.runs if (run.engine, run.setting) == (engine, setting)]
 
@@ -196,7 +196,7 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
     )
 
 
-def _has_failed(results: Results) -> bool:
+def _has_failed(results: CampaignResults) -> bool:
     """Whether the campaign has failed, in any engine, or by a change since its results were recorded."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)

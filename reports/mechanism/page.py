@@ -13,7 +13,7 @@ from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from reports.charts import draw
 from reports.charts.draw import PALETTE, WIDTH, drawn
 from reports.charts.moving import moving_scheme
@@ -116,7 +116,7 @@ def file_of(linkage: Sheet | Linkage) -> str:
     return f"{FOLDER}/{name}.{variant}.html"
 
 
-def page(sheet: Sheet, results: Results | None = None) -> Page:
+def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
     """The page; ``results`` are those of the campaign that its engines ran in, or of a file that was judged."""
     linkage = sheet.linkage
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
@@ -132,20 +132,20 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
     )
 
 
-def _verdict(results: Results | None) -> tuple[Part, ...]:
+def _verdict(results: CampaignResults | None) -> tuple[Part, ...]:
     """The verdict on a judged file and its causes."""
     words = results.document.get("judgement", []) if results else []
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 
 
-def _ran(sheet: Sheet, results: Results | None) -> list[View]:
+def _ran(sheet: Sheet, results: CampaignResults | None) -> list[View]:
     """The view of a sheet's linkage among results, if they have it."""
     mine = sheet.name, sheet.variant
     every = views(results) if results else ()
     return [view for view in every if (view.linkage.name, view.linkage.variant) == mine][:1]
 
 
-def _errors(sheet: Sheet, results: Results | None) -> Iterator[Part]:
+def _errors(sheet: Sheet, results: CampaignResults | None) -> Iterator[Part]:
     """Every error of the engines on the mechanism, with their curves."""
     for view in _ran(sheet, results):
         yield from errors_chart_widget(view)
@@ -167,7 +167,7 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
     yield Cards((Card("The mechanism as in its file", (facts, *note)),), wide=True)
 
 
-def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
+def _sections(sheet: Sheet, results: CampaignResults | None) -> Iterator[Section]:
     """The designer's, then the engines'; of a file that was judged its errors first."""
     engines = [engines_section(view) for view in _ran(sheet, results)]
     is_judged = results is not None and "judgement" in results.document

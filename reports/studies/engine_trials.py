@@ -19,7 +19,7 @@ from analytic.machine_code import OperationList, Result
 from comparisons.trials.campaign.campaign import CampaignRequest, compare
 from comparisons.trials.conformance.conformance import INSTALLED, check_engine
 from comparisons.trials.conformance.trial import CheckResult, Finding
-from comparisons.trials.judging.records import Run
+from comparisons.trials.judging.records import RunRecord
 from comparisons.trials.runs.plugins import engines
 from comparisons.trials.runs.run_engine import blamed_on
 from engines.contract import Engine
@@ -56,7 +56,7 @@ def engine_trials() -> list[SelfTest]:
     return [(absent | tried)[name] for name in engine_names()]
 
 
-def _trial_of_run(run: Run) -> SelfTest:
+def _trial_of_run(run: RunRecord) -> SelfTest:
     (torque,) = run.errors
     if torque.error_max is None:
         return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")

@@ -14,7 +14,7 @@ from comparisons.filejudge.judge import ImportedJudgement
 from comparisons.trials.campaign.campaign import CampaignRequest
 from comparisons.trials.campaign.results import document as saved_document
 from comparisons.trials.campaign.results import save
-from comparisons.trials.judging.records import Error, Run, Verdict
+from comparisons.trials.judging.records import Error, RunRecord, Verdict
 from reports import imported
 from reports.document.study import PICTURES, Study
 from reports.document.terminal import Printed, Printout, rendered
@@ -70,7 +70,7 @@ class Judgement(Study, ImportedJudgement):
         return [imported.sentence(self)]
 
     @property
-    def _run(self) -> Run:
+    def _run(self) -> RunRecord:
         """The judgement as a run: an error of every verdict, with its likeliest cause."""
         return imported.run_of_judgement(self, self._files)
 

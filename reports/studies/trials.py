@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.designer.linkage_check import warnings
 from comparisons.trials.campaign import results as campaign
-from comparisons.trials.campaign.results import Results, with_runs, write_curves
+from comparisons.trials.campaign.results import CampaignResults, with_runs, write_curves
 from comparisons.trials.judging.changes import Change, write_rows
 from comparisons.trials.judging.limits import deciding
 from comparisons.trials.judging.records import Error, Verdict
@@ -74,7 +74,7 @@ class Comparison(Trials):
     """
 
     suffixes: ClassVar = (".json", ".csv")
-    results: Results
+    results: CampaignResults
     folder: Path | None = None
     processes: int | None = None
     remark: str = ""

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.motion.case import Case
-from comparisons.trials.runs.run_engine import Bounds, Lost, run_engine
+from comparisons.trials.runs.run_engine import Lost, RunBounds, run_engine
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress.cells import Cell, StressVerdict, judged
 from engines.contract import Setting
@@ -54,7 +54,7 @@ def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE)
     """The runs of linkages 0 … count − 1 in these engines."""
     jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
     found = {name: Tally() for name in engines}
-    for job, result in LocalPool().run(run, jobs, bounds=Bounds(seconds=SECONDS)):
+    for job, result in LocalPool().run(run, jobs, bounds=RunBounds(seconds=SECONDS)):
         verdict = result.outcome.value if isinstance(result, Lost) else result
         found[jobs[job][1]].verdicts[StressVerdict(verdict)] += 1
     return found

@@ -15,11 +15,11 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest
-from comparisons.trials.campaign.results import Results, document
+from comparisons.trials.campaign.results import CampaignResults, document
 from comparisons.trials.invariants.checks import INVARIANTS
 from comparisons.trials.judging.limits import judge
 from comparisons.trials.judging.quantities import QUANTITIES, Deviation, near_jumps
-from comparisons.trials.judging.records import Error, Run, Verdict, run_of
+from comparisons.trials.judging.records import Error, RunRecord, Verdict, run_of
 from engines.contract import ReadOut, Setting
 
 ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")
@@ -38,7 +38,7 @@ def made_up_results(
     samples: int = 701,
     clockwise: bool = False,
     quantities: Sequence[str] = PRESCRIBED,
-) -> Results:
+) -> CampaignResults:
     """A campaign of these engines; those in ``broken`` gave no motion, with a reason."""
     linkages = linkages or [load("juki-mf7923d")]
     motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
@@ -53,10 +53,10 @@ def made_up_results(
     ]
     readouts = {name: {"torque": asdict(ReadOut("motor torque", drive="it is the drive's"))} for name in engines}
     saved = document(request, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
-    return Results(saved, tuple(runs))
+    return CampaignResults(saved, tuple(runs))
 
 
-def changed_results(results: Results, change: Callable[[Error], Error | None]) -> Results:
+def changed_results(results: CampaignResults, change: Callable[[Error], Error | None]) -> CampaignResults:
     """The same results, each record as ``change`` makes it, those without that it makes None of."""
     runs = []
     for run in results.runs:
@@ -65,7 +65,7 @@ def changed_results(results: Results, change: Callable[[Error], Error | None]) -
             for part in (run.errors, run.invariants)
         )
         runs += [replace(run, setting=records[0].setting, errors=records, invariants=checks)] if records else []
-    return Results(results.document, tuple(runs))
+    return CampaignResults(results.document, tuple(runs))
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Maker:
     samples: int
 
 
-def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> Run:
+def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> RunRecord:
     engine, setting, samples = maker.engine, maker.setting, maker.samples
     run = replace(
         run_of(case, setting.value, engine, "1.0"),

@@ -17,12 +17,12 @@ from comparisons.motion.case import Case, case_of_file_regime, unpickle_case
 from comparisons.trials.invariants.checks import checks
 from comparisons.trials.judging.limits import LimitTable, judged_deviation, shipped_limits
 from comparisons.trials.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
-from comparisons.trials.judging.records import CONTROL, Error, Run, Verdict, run_of
+from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict, run_of
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, blamed_on, run_engine
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Failure, Lost, RunBounds, blamed_on, run_engine
 from comparisons.trials.runs.store import Runs
-from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.tasks import Announce, Task, TaskList
 from comparisons.trials.runs.workers import LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
@@ -111,12 +111,12 @@ def compare(
     request: CampaignRequest,
     announce: Announce = lambda *_: None,
     *,
-    bounds: Bounds = DEFAULT_BOUNDS,
+    bounds: RunBounds = DEFAULT_BOUNDS,
     pool: Pool | None = None,
     finished: Runs | None = None,
     todo: Sequence[Task] = (),
     limits: LimitTable | None = None,
-) -> tuple[Run, ...]:
+) -> tuple[RunRecord, ...]:
     """The runs of a request, in its order, judged by the suite's limits or others; their curves stay in the store.
 
     ``announce`` receives the label of the run begun last, the number of finished runs and the number of all. Runs are
@@ -128,12 +128,14 @@ def compare(
     """
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
-    study = Study(judged, lost, Run.written, Run.from_row, finished, announce, where)
+    study = TaskList(judged, lost, RunRecord.written, RunRecord.from_row, finished, announce, where)
     table = limits or shipped_limits()
     return tuple(run.judged(table.judge) for run in study.complete(todo, bounds))
 
 
-def lost(failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool) -> Run:
+def lost(
+    failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool
+) -> RunRecord:
     """The run whose process gave no result."""
     case = unpickle_case(pickled)
     run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
@@ -145,7 +147,9 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
-def judged(pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> Run:
+def judged(
+    pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
+) -> RunRecord:
     """Run a pickled case in an engine, and judge the quantities of these ``names``."""
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
@@ -171,11 +175,11 @@ def compared(
     case: Case,
     motion: ObservedMotion,
     quantities: Iterable[Quantity],
-    run: Run,
+    run: RunRecord,
     adapter: Engine,
     *,
     with_invariants: bool = True,
-) -> Run:
+) -> RunRecord:
     """A run with the errors of its motion in these quantities, and its invariants."""
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
     found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
@@ -187,7 +191,9 @@ def compared(
     )
 
 
-def _without_motion(run: Run, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str) -> Run:
+def _without_motion(
+    run: RunRecord, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str
+) -> RunRecord:
     """A run that gave no motion, with a row for each quantity to say so."""
     blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
     return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))

@@ -27,7 +27,7 @@ from comparisons.trials.campaign.saved_linkages import (
 )
 from comparisons.trials.judging.changes import CLOSED_FORM, Change
 from comparisons.trials.judging.limits import Limit, LimitTable, shipped_limits, table_from_rows
-from comparisons.trials.judging.records import Error, Run
+from comparisons.trials.judging.records import NAMES, Error, RunRecord
 from comparisons.trials.runs.environment import environment
 from comparisons.trials.runs.store import Curve, has_study, load_study, save_study
 from engines.contract import ReadOut
@@ -81,11 +81,11 @@ KINDS: Final = (COMPARE, JUDGE)
 
 
 @dataclass(frozen=True)
-class Results:
+class CampaignResults:
     """A finished campaign: its document and its runs."""
 
     document: Mapping[str, Any]
-    runs: Iterable[Run]
+    runs: Iterable[RunRecord]
 
     @cached_property
     def records(self) -> tuple[Error, ...]:
@@ -105,10 +105,13 @@ class Results:
     @cached_property
     def figures(self) -> tuple[Error, ...]:
         """Key figures of every linkage and motion."""
-        rows = (tuple(row[name] for name in KeyFigure.__annotations__) for row in self.document.get("figures", ()))
         return tuple(
-            Error(*motion, CLOSED_FORM, "", figure, unit, value, outcome="") for *motion, figure, value, unit in rows
-        )
+            Error(
+                **{name: row[name] for name in NAMES[:4]}, engine=CLOSED_FORM, setting="", quantity=row["figure"],
+                unit=row["unit"], error_max=row["value"], outcome="",
+            )
+            for row in self.document.get("figures", ())
+        )  # fmt: skip
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
@@ -175,7 +178,7 @@ def checksum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def with_runs(table: Mapping[str, Any], runs: Iterable[Run]) -> dict[str, Any]:
+def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
     """A campaign's document with its runs, flat: a row for each quantity and invariant."""
     records = list(runs)
     return {
@@ -186,7 +189,7 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[Run]) -> dict[str, Any]:
     }
 
 
-def save(folder: Path, table: Mapping[str, Any], runs: Iterable[Run]) -> None:
+def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
     """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
@@ -202,13 +205,13 @@ def is_saved(folder: Path) -> bool:
     return any(has_study(folder, kind) for kind in KINDS)
 
 
-def load(folder: Path) -> Results:
+def load(folder: Path) -> CampaignResults:
     """Read a saved campaign or judgement back; no engine is imported.
 
     Raises LinkproofError if it is missing or damaged.
     """
     kind = next((kind for kind in KINDS if has_study(folder, kind)), COMPARE)
-    return Results(*load_study(folder, kind, FORM, Run.from_row))
+    return CampaignResults(*load_study(folder, kind, FORM, RunRecord.from_row))
 
 
 # The curves of a campaign as CSV: a row per run, quantity and sample.
@@ -217,7 +220,7 @@ SAMPLE: Final = ("time", "angle", "observed", "reference")
 CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", *SAMPLE)
 
 
-def write_curves(runs: Iterable[Run], file: Path) -> None:
+def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
     """Fill a CSV file with the curves of all runs, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
@@ -229,7 +232,7 @@ def write_curves(runs: Iterable[Run], file: Path) -> None:
         writer.writerows(_curve_rows(runs))
 
 
-def _curve_rows(runs: Iterable[Run]) -> Iterator[tuple[str | float, ...]]:
+def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:

@@ -14,7 +14,15 @@ import numpy as np
 
 from analytic.description.law import FULL_TURN
 from comparisons.trials.conformance.misreadings import likeliest_misreading
-from comparisons.trials.conformance.trial import PLAIN, SAMPLES, Check, EngineTrial, NotTestedError, case, scene_of
+from comparisons.trials.conformance.trial import (
+    PLAIN,
+    SAMPLES,
+    EngineCheck,
+    EngineTrial,
+    NotTestedError,
+    case,
+    scene_of,
+)
 from comparisons.trials.conformance.trial import case as sample_case
 from comparisons.trials.judging.limits import limit
 from comparisons.trials.judging.signal_errors import SignalError, readings, signal_errors
@@ -102,9 +110,9 @@ def check_samples(trial: EngineTrial) -> None:
 
 
 CHANNEL_CHECKS = (
-    Check("samples", "sample times increase and cover the motion densely", check_samples),
+    EngineCheck("samples", "sample times increase and cover the motion densely", check_samples),
     *(
-        Check(name, f"the closed form's: {about}", partial(check_channel, channel))
+        EngineCheck(name, f"the closed form's: {about}", partial(check_channel, channel))
         for name, channel, about in (
             ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
             ("velocities", Channel.VELOCITY, "at the stated instants"),
@@ -280,14 +288,16 @@ def check_silence(trial: EngineTrial) -> None:
 
 
 CHECKS = (
-    Check("identity", "name, version and abilities", check_identity),
-    Check("installed", "the engine can be used, and finishes a run", check_installed),
-    Check("bad data", "an outcome with a reason, nothing raised, no process dead", check_bad_data),
-    Check("refusals", "a scene beyond its abilities is unsupported, with a reason", check_refusals),
-    Check("claims", "every sample within its abilities is run", check_claims),
-    Check("settings", "every setting it claims runs", check_settings),
-    Check("origins", "naive and tuned are one run; a value from several runs is not labelled as read", check_origins),
-    Check("recording", "only the requested channels are recorded; recording changes no step", check_recording),
-    Check("repetition", "two runs are the same", check_repetition),
-    Check("silence", "nothing is written to the terminal", check_silence),
+    EngineCheck("identity", "name, version and abilities", check_identity),
+    EngineCheck("installed", "the engine can be used, and finishes a run", check_installed),
+    EngineCheck("bad data", "an outcome with a reason, nothing raised, no process dead", check_bad_data),
+    EngineCheck("refusals", "a scene beyond its abilities is unsupported, with a reason", check_refusals),
+    EngineCheck("claims", "every sample within its abilities is run", check_claims),
+    EngineCheck("settings", "every setting it claims runs", check_settings),
+    EngineCheck(
+        "origins", "naive and tuned are one run; a value from several runs is not labelled as read", check_origins
+    ),
+    EngineCheck("recording", "only the requested channels are recorded; recording changes no step", check_recording),
+    EngineCheck("repetition", "two runs are the same", check_repetition),
+    EngineCheck("silence", "nothing is written to the terminal", check_silence),
 )

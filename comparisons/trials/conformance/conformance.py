@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from comparisons.trials.conformance import conduct, mutants
 from comparisons.trials.conformance.mutants import MUTANT
-from comparisons.trials.conformance.trial import Check, CheckResult, EngineTrial, Finding
-from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
+from comparisons.trials.conformance.trial import CheckResult, EngineCheck, EngineTrial, Finding
+from comparisons.trials.runs.run_engine import Failure, Lost, RunBounds
 from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Engine
 from engines.registry import Unusable
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 INSTALLED: Final = "installed"
 FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check has a meaning
 DANGEROUS: Final = "bad data"  # may bring a process down
-BOUNDS = Bounds(seconds=120.0)
-CHECKS: Final[Mapping[str, Check]] = {
+BOUNDS = RunBounds(seconds=120.0)
+CHECKS: Final[Mapping[str, EngineCheck]] = {
     check.name: check for check in (*conduct.CHECKS, *conduct.CHANNEL_CHECKS, *mutants.CHECKS)
 }
 
@@ -107,7 +107,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
     return results
 
 
-def _make(trial: EngineTrial, check: Check) -> None:
+def _make(trial: EngineTrial, check: EngineCheck) -> None:
     """Make a check of an engine; raises AssertionError with a sentence, or has pytest skip what is not tested."""
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
@@ -133,7 +133,7 @@ def parametrize_engine_checks(
         if name not in CHECKS:
             raise KeyError(f"expected a check, got '{name}' among the expected failures; one of {', '.join(CHECKS)}")
 
-    def case_of(check: Check) -> pytest.ParameterSet:
+    def case_of(check: EngineCheck) -> pytest.ParameterSet:
         marks = [pytest.mark.xfail(reason=expected[check.name], strict=True)] if check.name in expected else []
         return pytest.param(partial(_make, trial, check), id=check.name.replace(" ", "-"), marks=marks)
 

@@ -21,7 +21,7 @@ from comparisons.trials.conformance.trial import (
     PLAIN,
     SAMPLES,
     SLIDER_AT_SPEED,
-    Check,
+    EngineCheck,
     EngineTrial,
     NotTestedError,
     Sample,
@@ -193,4 +193,4 @@ def _mutants() -> Iterator[Mutant]:
 
 
 MUTANTS: Final = tuple(_mutants())
-CHECKS: Final = tuple(Check(f"{MUTANT}{mutant.name}", "fails a row", mutant.check) for mutant in MUTANTS)
+CHECKS: Final = tuple(EngineCheck(f"{MUTANT}{mutant.name}", "fails a row", mutant.check) for mutant in MUTANTS)

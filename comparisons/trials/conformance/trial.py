@@ -116,7 +116,7 @@ class CheckResult:
 
 
 @dataclass(frozen=True)
-class Check:
+class EngineCheck:
     """One property that an adapter must have; ``examine`` raises AssertionError, with a sentence, where it has not."""
 
     name: str

@@ -25,7 +25,7 @@ from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
-from comparisons.motion.case import Case, Motion, zero_of_output
+from comparisons.motion.case import Case, DriverMotion, zero_of_output
 from comparisons.motion.thinning import stored_curve
 from comparisons.trials.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from comparisons.trials.runs.store import Curve
@@ -308,7 +308,7 @@ def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> No
     )
 
 
-def near_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
+def near_jumps(time: Array, motion: DriverMotion) -> NDArray[np.bool_]:
     """Which of the times (n,), s, lie in the window at any jump of a motion's acceleration; nowhere without a jump.
 
     There accelerations, torques and forces have two true values. The window belongs to the motion: it is as wide for
@@ -320,7 +320,7 @@ def near_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
     return near
 
 
-def near_jump(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
+def near_jump(time: Array, motion: DriverMotion, jump: float) -> NDArray[np.bool_]:
     """Which of the times (n,), s, lie in the window at one of the motion's jumps, s."""
     pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
     half = WINDOW * float(np.min(pieces, initial=motion.duration))

@@ -1,4 +1,4 @@
-"""What was run, and what was found: a ``Run`` is a row of the one table, an ``Error`` a row of the other."""
+"""What was run, and what was found: a ``RunRecord`` is a row of the one table, an ``Error`` a row of the other."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ PARTS: Final = ("errors", "invariants")
 
 
 @dataclass(frozen=True)
-class Run:
+class RunRecord:
     """What was run, what it cost, and what was found: its errors by quantity, its invariants, and its curves.
 
     ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone, ``steps`` all its time steps;
@@ -187,11 +187,11 @@ class Run:
 
 
 ERRORS: Final = Error._fields[len(NAMES) :]
-FACTS: Final = tuple(field.name for field in fields(Run) if field.name not in (*PARTS, "details", "curves"))
+FACTS: Final = tuple(field.name for field in fields(RunRecord) if field.name not in (*PARTS, "details", "curves"))
 
 
-def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> Run:
+def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> RunRecord:
     """The run of a case before it is made."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
-    return Run(*names, engine, version, setting)
+    return RunRecord(*names, engine, version, setting)

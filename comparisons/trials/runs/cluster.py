@@ -12,7 +12,7 @@ from typing import Any, Final, TypeVar
 from uuid import uuid4
 
 from analytic.errors import LinkproofError, install_words
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Failure, Lost, RunBounds
 from comparisons.trials.runs.workers import Begun, LocalPool
 
 R = TypeVar("R")
@@ -35,7 +35,7 @@ class DaskPool:
         self,
         function: Callable[..., R],
         jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = DEFAULT_BOUNDS,
+        bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Call ``function(*job)`` for every job, as a ``Pool`` does; two for every thread are under way.
@@ -108,7 +108,7 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
     return as_completed(loop=client.loop)
 
 
-def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: Bounds) -> R | Lost:
+def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: RunBounds) -> R | Lost:
     """On a Dask worker: the result of a job in a process of this thread's own."""
     multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
     pool: LocalPool = _THREAD.__dict__.setdefault("pool", LocalPool(1, lasts=True))

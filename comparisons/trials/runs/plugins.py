@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.run_engine import AdapterError, Bounds, Failure, Lost, blamed_on
+from comparisons.trials.runs.run_engine import AdapterError, Failure, Lost, RunBounds, blamed_on
 from comparisons.trials.runs.workers import LocalPool
 from engines import registry
 from engines.contract import Abilities, Engine, Method, Run, Setting, StudiedEngine
 from engines.scene import Scene
 
-LONGEST_LOADING: Final = Bounds(30.0)  # within which a plug-in must be imported and tell what it can do
+LONGEST_LOADING: Final = RunBounds(30.0)  # within which a plug-in must be imported and tell what it can do
 _ASKED: Final[dict[tuple[str, str], Engine]] = {}  # plug-ins by name and entry point
 
 

@@ -48,7 +48,7 @@ class Failure(StrEnum):
 
 
 @dataclass(frozen=True)
-class Bounds:
+class RunBounds:
     """Bounds of one job: ``seconds`` of wall time, and ``memory``, bytes that it may add to the address space.
 
     Address space counts reserved memory, used or not. It is bounded where the system can (Linux).
@@ -58,7 +58,7 @@ class Bounds:
     memory: int = 4 * GIB
 
 
-DEFAULT_BOUNDS = Bounds()
+DEFAULT_BOUNDS = RunBounds()
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from uuid import uuid4
 from pebble import CONSTS, ProcessPool
 
 from analytic.errors import LinkproofError
-from comparisons.trials.runs.run_engine import SHOW_OUTPUT, Bounds, Failure, Lost, lost
+from comparisons.trials.runs.run_engine import SHOW_OUTPUT, Failure, Lost, RunBounds, lost
 from engines.registry import silenced
 
 START: Final = "LINKPROOF_WORKER_START"  # how workers are started: forkserver or spawn, as in multiprocessing
@@ -169,7 +169,7 @@ class _Process:
 class Worker:
     """A worker process and the job that it has; it has been ``used`` once it has finished any."""
 
-    job: tuple[int, bytes, bytes, Bounds]  # index, function and arguments, pickled, and bounds
+    job: tuple[int, bytes, bytes, RunBounds]  # index, function and arguments, pickled, and bounds
 
     def __init__(self, module: str) -> None:
         """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
@@ -190,7 +190,7 @@ class Worker:
         """Whether the process and its pipes are as they should be."""
         return bool(self.pool.active)
 
-    def begin(self, job: tuple[int, bytes, bytes, Bounds]) -> Future[bytes]:
+    def begin(self, job: tuple[int, bytes, bytes, RunBounds]) -> Future[bytes]:
         """The pickled result of a job to come; its time begins when the worker takes it."""
         self.job, (_, function, arguments, bounds) = job, job
         return self.pool.schedule(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from analytic.machine_code import cores
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Failure, Lost, lost
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Failure, Lost, RunBounds, lost
 
 if TYPE_CHECKING:
     from comparisons.trials.runs.worker_process import Worker
@@ -45,7 +45,7 @@ class Pool(Protocol):
         self,
         function: Callable[..., R],
         jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = DEFAULT_BOUNDS,
+        bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Call ``function(*job)`` for every job; yields (index of the job, result) as they complete.
@@ -79,7 +79,7 @@ class LocalPool:
         self,
         function: Callable[..., R],
         jobs: Iterable[tuple[Any, ...]],
-        bounds: Bounds = DEFAULT_BOUNDS,
+        bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Call ``function(*job)`` for every job, as a ``Pool`` does."""
@@ -114,7 +114,7 @@ class LocalPool:
 
         return self._free.pop() if self._free else Worker(module)
 
-    def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, Bounds], begun: Begun) -> None:
+    def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, RunBounds], begun: Begun) -> None:
         begun(job[0])
         self._busy[worker.begin(job)] = worker
 
@@ -148,7 +148,7 @@ class LocalPool:
 
 
 def _results_here(
-    function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: Bounds, begun: Begun
+    function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: RunBounds, begun: Begun
 ) -> Iterator[tuple[int, R | Lost]]:
     """The results of jobs in this process."""
     for number, job in enumerate(jobs):

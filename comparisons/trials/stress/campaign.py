@@ -16,9 +16,9 @@ from typing_extensions import TypedDict
 
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.runs.environment import environment
-from comparisons.trials.runs.run_engine import GIB, Bounds
+from comparisons.trials.runs.run_engine import GIB, RunBounds
 from comparisons.trials.runs.store import Runs, load_study, save_study, store_errors
-from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.tasks import Announce, Task, TaskList
 from comparisons.trials.runs.workers import EVERY_CORE, Pool
 from comparisons.trials.stress.cells import Cell, StressVerdict, axes, cell_at, lost, run_cell
 
@@ -219,16 +219,16 @@ def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[Cell]:
     return _run_cells(_stress_study(lambda *_: None, None, pool), chosen)
 
 
-def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> Study[Cell]:
-    return Study(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
+def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> TaskList[Cell]:
+    return TaskList(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
 
 
-def _run_cells(study: Study[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
+def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
     """Results of cells, in their order; cells that may take as long run together."""
     by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds, alike in sorted(by_seconds.items()):
-        study.complete(alike, Bounds(seconds, MEMORY))
+        study.complete(alike, RunBounds(seconds, MEMORY))
     return [study.result(cell.key) for cell in chosen]
 
 

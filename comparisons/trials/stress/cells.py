@@ -31,7 +31,7 @@ from comparisons.trials.campaign.campaign import compared
 from comparisons.trials.invariants.checks import HALF_TURN
 from comparisons.trials.judging.limits import OWN, grouped
 from comparisons.trials.judging.quantities import all_quantities
-from comparisons.trials.judging.records import Error, Run, Verdict, run_of
+from comparisons.trials.judging.records import Error, RunRecord, Verdict, run_of
 from comparisons.trials.judging.signal_errors import LEVELS, signal_errors
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
@@ -69,7 +69,7 @@ class StressVerdict(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell(Run):
+class Cell(RunRecord):
     """One run of a map, before it is made and after; its setting may be a method's name.
 
     Its errors are the quantity nearest to its limit, its invariants those that failed, or else the nearest. ``wrong``
@@ -493,7 +493,7 @@ def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engin
     return replace(cell, verdict=verdict, reason=reason, wrong="; ".join(wrong))
 
 
-def _run_to_judge(case: Case, setting: str) -> Run:
+def _run_to_judge(case: Case, setting: str) -> RunRecord:
     """A run by the limits of the regime that the motion is most like."""
     regime = case.motion.regime if case.is_prescribed else OWN
     if case.is_prescribed and regime not in REGIMES:

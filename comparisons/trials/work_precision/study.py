@@ -21,9 +21,9 @@ from comparisons.motion.case import Case
 from comparisons.trials.judging.records import Verdict, run_of
 from comparisons.trials.runs.environment import environment
 from comparisons.trials.runs.plugins import engine
-from comparisons.trials.runs.run_engine import Bounds, Failure, Lost
+from comparisons.trials.runs.run_engine import Failure, Lost, RunBounds
 from comparisons.trials.runs.store import Runs
-from comparisons.trials.runs.study import Announce, Study, Task
+from comparisons.trials.runs.tasks import Announce, Task, TaskList
 from comparisons.trials.runs.workers import ONE_BY_ONE, Pool
 from comparisons.trials.work_precision.measure import longest_step, measure
 from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, judged, still_improves
@@ -181,7 +181,7 @@ class Rounds:
         self.request, self.extent = request, request.extent
         self.pickled = [pickle.dumps(case) for case in request.cases]
         self.ends = time.monotonic() + request.extent.deadline
-        self.study: Study[BenchRun] = Study(
+        self.study: TaskList[BenchRun] = TaskList(
             measure, self._lost_point, BenchRun.written, BenchRun.from_row, finished, announce, request.pool
         )
 
@@ -189,7 +189,7 @@ class Rounds:
         """Measure points in a round, as long as there is time."""
         tasks = [self._point_task(number, point) for point in points if point.usage]
         self.study.expect(tasks)
-        bounds = Bounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
+        bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
             while self.seconds_left() > 0.0 and next(ended, None) is not None:
                 pass

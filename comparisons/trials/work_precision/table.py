@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-from comparisons.trials.judging.records import Run, Verdict
+from comparisons.trials.judging.records import RunRecord, Verdict
 from comparisons.trials.runs.store import load_study, save_study
 from engines.contract import Outcome, Setting
 
@@ -33,7 +33,7 @@ SETTING, METHOD = "setting", "method"
 
 
 @dataclass(frozen=True, kw_only=True)
-class BenchRun(Run):
+class BenchRun(RunRecord):
     """The run of a point; ``errors`` are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,

@@ -4,7 +4,7 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.designer.building import usual_sheet
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.records import Verdict
 from engines.registry import engine_names
 from reports.campaign.index import index
@@ -70,7 +70,7 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
 
 
 def test_a_judgement_says_its_own_verdict(results, sheets):
-    told = Results({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.runs)
+    told = CampaignResults({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.runs)
     page = index(told, sheets)
     assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
     assert page.heading == "Is this simulation right?"

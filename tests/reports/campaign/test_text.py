@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from comparisons.trials.judging.changes import Change, ChangeKind
-from comparisons.trials.judging.records import Run
+from comparisons.trials.judging.records import RunRecord
 from reports.campaign.summary import junit
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
@@ -23,7 +23,7 @@ def _result(origin="", runs=1):
 
 
 def _run(*errors, **costs):
-    return Run(*errors[0][:5], "1", errors[0].setting, errors=errors, **costs)
+    return RunRecord(*errors[0][:5], "1", errors[0].setting, errors=errors, **costs)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.records import CONTROL, Verdict
 from reports.campaign.verdict import EngineRanking, verdict
 from tests.reports.made_up_results import changed_results, made_up_results
@@ -64,7 +64,7 @@ def test_nobody_is_trusted_where_something_is_not_as_it_was_recorded(results):
     kinds, place = ("changed", "vanished", "appeared"), ["some"] * 7
     changes = [{"place": place, "before": 1.0, "after": 1.5, "kind": kind} for kind in kinds]
     told = {**results.document, "changes": changes}
-    first, second, *rest = verdict(EngineRanking(Results(told, results.runs)))
+    first, second, *rest = verdict(EngineRanking(CampaignResults(told, results.runs)))
     assert first == "2 results are not as recorded before."
     assert second == "alpha and beta, once tuned, pass every comparison."
     assert not any(" of all " in line for line in rest)

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import read
-from comparisons.trials.campaign.results import Results
+from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.conformance import conformance
 from engines.registry import Unusable
 from tests.commands import linkproof as command
@@ -62,7 +62,7 @@ def test_what_changed_since_results_were_recorded_fails_a_check(tmp_path):
 
 
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
-    found = linkproof.Comparison(Results({}, ()))
+    found = linkproof.Comparison(CampaignResults({}, ()))
     with pytest.raises(linkproof.LinkproofError, match="nothing to run"):
         found.check()
 

@@ -22,7 +22,7 @@ from comparisons.trials.conformance.misreadings import likeliest_misreading
 from comparisons.trials.conformance.mutants import MUTANT, MUTANTS
 from comparisons.trials.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
 from comparisons.trials.judging.signal_errors import readings
-from comparisons.trials.runs.run_engine import Bounds
+from comparisons.trials.runs.run_engine import RunBounds
 from engines.direct_adapter.adapter import DirectEngine
 from engines.registry import own_names
 from engines.scene import Channel
@@ -184,7 +184,7 @@ def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure
 
 def findings(name, monkeypatch, checks):
     monkeypatch.setattr(conformance, "CHECKS", {check: CHECKS[check] for check in checks})
-    monkeypatch.setattr(conformance, "BOUNDS", Bounds(seconds=math.inf))
+    monkeypatch.setattr(conformance, "BOUNDS", RunBounds(seconds=math.inf))
     results = {each.check: each for each in check_engine(installed(name), 1)}
     assert {check: each.detail for check, each in results.items() if each.finding is Finding.FAILED} == {}
     return {check: each.finding for check, each in results.items()}

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from comparisons.trials.runs import plugins
-from comparisons.trials.runs.run_engine import Bounds
+from comparisons.trials.runs.run_engine import RunBounds
 from engines.contract import Setting
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
@@ -82,7 +82,7 @@ def test_the_command_knows_what_a_plugin_expects_to_fail(folder):
 
 
 def test_an_import_that_hangs_costs_its_own_engine(folder, monkeypatch):
-    monkeypatch.setattr(plugins, "LONGEST_LOADING", Bounds(0.5))
+    monkeypatch.setattr(plugins, "LONGEST_LOADING", RunBounds(0.5))
     hanging, faithful = plugins.engines(["hanging", "direct"])
     assert (hanging.version(), faithful.name) == ("1.0", "direct")
     with pytest.raises(Exception, match=r"hanging cannot be loaded: its process took longer than 0\.5 s"):

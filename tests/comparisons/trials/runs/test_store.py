@@ -30,7 +30,7 @@ from comparisons.trials.runs.store import (
     temporary_runs,
     unfinished_command,
 )
-from comparisons.trials.runs.study import Study, Task
+from comparisons.trials.runs.tasks import Task, TaskList
 from comparisons.trials.runs.workers import LocalPool
 from tests.comparisons.faults import job
 
@@ -283,7 +283,7 @@ def study(**changes):
         return f"{kind} {value}: {loss.outcome}"
 
     codec = {"encode": lambda value: ({"value": value}, {}), "decode": lambda row, _: row["value"]}
-    return Study(**{"function": job, "lost": lost, **codec, "pool": LocalPool(0), **changes})
+    return TaskList(**{"function": job, "lost": lost, **codec, "pool": LocalPool(0), **changes})
 
 
 def failing(*_):

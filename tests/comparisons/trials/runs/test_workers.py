@@ -14,12 +14,12 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.trials.runs import cluster, worker_process
 from comparisons.trials.runs.cluster import DaskPool
-from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Bounds, Failure, Lost
+from comparisons.trials.runs.run_engine import GIB, SHOW_OUTPUT, Failure, Lost, RunBounds
 from comparisons.trials.runs.workers import LocalPool
 from tests.comparisons.faults import PATIENCE, Clock, job, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-BOUNDS = Bounds(memory=GIB // 16)
+BOUNDS = RunBounds(memory=GIB // 16)
 
 FATES = [
     ("abort", None, Failure.CRASHED, "died by signal 6 (SIGABRT)"),

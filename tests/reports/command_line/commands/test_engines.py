@@ -12,7 +12,7 @@ import pytest
 from analytic import machine_code
 from analytic.errors import LinkproofError
 from comparisons.trials.conformance import conformance
-from comparisons.trials.judging.records import Run, Verdict
+from comparisons.trials.judging.records import RunRecord, Verdict
 from engines.registry import own_names
 from reports.api.options import Motion
 from reports.api.trials import check_engine, compare
@@ -95,7 +95,7 @@ def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(
 
 
 def test_an_engine_that_crashes_or_is_absent_does_not_work(monkeypatch):
-    run = Run("m", "base", "run-up", "", "barwork", "3", "tuned")
+    run = RunRecord("m", "base", "run-up", "", "barwork", "3", "tuned")
     crashed = run.blank._replace(quantity="Mkr", outcome=Verdict.CRASHED, detail="-11")
     monkeypatch.setattr(engine_trials, "compare", lambda _: [replace(run, errors=(crashed,))])
     monkeypatch.setattr(engine_trials, "engine_names", lambda: ("barwork", "direct"))

@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Bounds, Lost
+from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Lost, RunBounds
 from comparisons.trials.runs.store import Curve, Runs, temporary_runs
 from comparisons.trials.runs.workers import EVERY_CORE, LocalPool, Pool
 
@@ -32,7 +32,7 @@ class Task:
 
 
 @dataclass
-class Study(Generic[R]):
+class TaskList(Generic[R]):
     """Tasks of one kind; what is among the ``finished`` runs is not made again, and no result stays in memory.
 
     ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
@@ -60,7 +60,7 @@ class Study(Generic[R]):
         self._known |= by_key.keys()
         return [task for key, task in by_key.items() if key not in self._runs]
 
-    def make(self, tasks: Iterable[Task], bounds: Bounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
+    def make(self, tasks: Iterable[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
         """Make the tasks that have no result yet, begun in their order, and yield each as it ends."""
         todo = self.expect(tasks)
 
@@ -78,7 +78,7 @@ class Study(Generic[R]):
                     self._announce(task)
                     yield task
 
-    def complete(self, tasks: Sequence[Task], bounds: Bounds = DEFAULT_BOUNDS) -> list[R]:
+    def complete(self, tasks: Sequence[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> list[R]:
         """Make those tasks that have no result yet; returns the results of all, in their order.
 
         Several processes begin with the heaviest, so that it does not run alone at the end.
