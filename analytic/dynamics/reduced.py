@@ -394,7 +394,7 @@ def _moment_scale(mechanism: Mechanism) -> float:
 # Where loads have corners, and friction jumps.
 
 
-BESIDE: Final = 1e-9  # rad from a jump
+BESIDE, NEAR_JUMP = 1e-9, 1e-4  # rad from a jump: either side; where an engine may be on either
 
 
 def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
@@ -414,16 +414,28 @@ def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
     return np.unique(every[(every > low) & (every < high)])
 
 
+def near_load_jumps(mechanism: Mechanism, angle: Array) -> NDArray[np.bool_]:
+    """Which values of φ (n,), rad or m, are where friction turns back or a load of one way sets in, and forces jump."""
+    away = np.asarray(angle)[:, None] - [*_reversals(mechanism), *_turning_places(mechanism)]
+    away -= mechanism.period * np.round(away / mechanism.period)
+    return np.asarray(np.any(np.abs(away) <= NEAR_JUMP, axis=1))
+
+
+def _turning_places(mechanism: Mechanism) -> list[float]:
+    """The dead centres where a load acts one way alone; none without a turn."""
+    directed = any(law.when for law in mechanism.linkage.laws)
+    return (
+        [centre.angle for centre in dead_centres(mechanism)] if directed and top_of_turn(mechanism) is not None else []
+    )
+
+
 @once_per_mechanism
 def _corners_of_turn(mechanism: Mechanism) -> list[float]:
     """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn."""
     laws, turns = mechanism.linkage.laws, round(mechanism.period / FULL_TURN)
     corners = {corner for law in laws if law.over == "S" for corner in law.corners}
-    directed = any(law.when for law in laws)
-    if not (corners or directed) or top_of_turn(mechanism) is None:
-        return []
-    places = [centre.angle for centre in dead_centres(mechanism)] if directed else []
-    for corner in sorted(corners):
+    places = _turning_places(mechanism)
+    for corner in sorted(corners) if corners and top_of_turn(mechanism) is not None else ():
         height = mechanism.zero_of_s() - corner
         places += zeros(lambda phi, height=height: mechanism.sweep(phi).output() - height, turns=turns).tolist()  # type: ignore[misc]
     return places

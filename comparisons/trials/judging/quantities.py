@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import ThreadEye, ThreadPath
+from analytic.dynamics.reduced import near_load_jumps
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import top_of_turn
 from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
@@ -320,6 +321,11 @@ def near_jumps(time: Array, motion: DriverMotion) -> NDArray[np.bool_]:
     return near
 
 
+def has_two_values(case: Case, time: Array) -> NDArray[np.bool_]:
+    """Which of the times (n,), s, lie at a jump of the acceleration, of friction or of a load that acts one way."""
+    return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time))
+
+
 def near_jump(time: Array, motion: DriverMotion, jump: float) -> NDArray[np.bool_]:
     """Which of the times (n,), s, lie in the window at one of the motion's jumps, s."""
     pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
@@ -364,9 +370,10 @@ class Deviation:
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
     """Compare one quantity over every sample the engine returned.
 
-    Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own:
-    there an engine may be off by the jump besides. Samples of Jeq near standstill are left out and counted. A vector
-    of which the engine tells the magnitude is compared as a magnitude. Raises NoSampleError where no sample is left.
+    Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own: there an
+    engine may be off by the jump besides; where friction or a load jumps they are left out. Samples of Jeq near
+    standstill are left out and counted. A vector of which the engine tells the magnitude is compared as a magnitude.
+    Raises NoSampleError where no sample is left.
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
@@ -382,7 +389,7 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
     """
     counted = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
-        counted &= ~near_jumps(signal.time, case.motion)
+        counted &= ~has_two_values(case, signal.time)
     if not counted.any():
         raise NoSampleError(
             f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"

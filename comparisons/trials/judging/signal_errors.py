@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.motion.case import Case, channel_truth
-from comparisons.trials.judging.quantities import near_jumps
+from comparisons.trials.judging.quantities import has_two_values
 from comparisons.trials.observed_motion import resample
 from engines.contract import History, Signal
 from engines.mechanics.joints import scene_size
@@ -162,9 +162,9 @@ def signal_errors(
 ) -> list[SignalError]:
     """The error of every body's place and angle, of the torque and of every joint's force, in these channels.
 
-    At jumps of the acceleration accelerations, torque and forces have two values, and no error. A released crank's
-    torque is given, and forces have no bound where the linkage passes a change point: these are left out. Raises
-    LinkproofError where the closed form has no value, as in a dead position.
+    At jumps of the acceleration, of friction and of loads accelerations, torque and forces have two values, and no
+    error. A released crank's torque is given, and forces have no bound where the linkage passes a change point: these
+    are left out. Raises LinkproofError where the closed form has no value, as in a dead position.
     """
     left_out = {Channel.TORQUE} if not case.is_prescribed else set()
     left_out |= {Channel.JOINT_FORCE} if case.unbounded_at is not None else set()
@@ -197,4 +197,4 @@ def _counted(case: Case, reading: Reading) -> NDArray[np.bool_]:
     """Which samples have one true value."""
     if reading.channel in (Channel.POSITION, Channel.VELOCITY):
         return np.ones(len(reading.time), dtype=bool)
-    return ~near_jumps(reading.time, case.motion)
+    return ~has_two_values(case, reading.time)

@@ -9,7 +9,7 @@ from mpmath import mpf
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
 from analytic.dynamics.friction import reactions
-from analytic.dynamics.reduced import equation_of_motion
+from analytic.dynamics.reduced import equation_of_motion, near_load_jumps
 from analytic.errors import DescriptionError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate
@@ -98,6 +98,13 @@ def test_a_self_locking_position_is_named_with_its_angle():
     places = np.arange(np.floor(locks), 90.0)
     with pytest.raises(LinkproofError, match=f"'locked' is self-locking at crank angle {places[1]:g}°"):
         evaluate(sample, np.radians(places), ["Mkr"], speed=1.0)
+
+
+def test_forces_have_two_values_where_the_ram_turns_back():
+    """There crank and rod are on one line, 100 ± 50 mm long, that ends 30 mm below the pivot."""
+    places = np.array([-asin(30.0 / 150.0), np.pi - asin(30.0 / 50.0)])
+    sample = Mechanism(parse(LOCKED, "locked", "locked"))
+    assert near_load_jumps(sample, np.append(places, places + 1e-3)).tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize(("name", "limit"), [("direct", 1e-13), ("mujoco", 1e-8)])
