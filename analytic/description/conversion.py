@@ -50,6 +50,8 @@ from analytic.errors import LinkproofError, UnknownNameError, listed
 #
 # Each kind is sorted by body and point, so that the order of listing changes no result, not even its rounding.
 
+PAIR = "links = [...]"  # names the bodies of two points
+
 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
     """Forces at points; a force on the ground has no effect and is left out."""
@@ -129,7 +131,7 @@ def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
     """A spring with its dashpot in SI units."""
     where = f"springs.{number}"
     ends = zip(table.between, table.links or (None, None), strict=True)
-    first, second = (reader.owner(point, link, where) for point, link in ends)
+    first, second = (reader.owner(point, link, where, PAIR) for point, link in ends)
     if first == second:
         raise reader.fail(
             f"{where}: expected ends on two different bodies, got both on '{first}', where nothing stretches; attach "
@@ -474,7 +476,7 @@ def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
     if table is None:
         return None
     ends = zip(table.between, table.links or (None, None), strict=True)
-    first, second = (reader.owner(point, link, "cylinder") for point, link in ends)
+    first, second = (reader.owner(point, link, "cylinder", PAIR) for point, link in ends)
     if first == second:
         raise reader.fail(f"cylinder: expected ends on two different bodies, got both on '{first}'; correct one")
     unit, drawn = reader.unit(Kind.LENGTH), reader.document.sketch.angle

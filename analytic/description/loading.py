@@ -254,8 +254,13 @@ def read_document(path: Path, what: str, model: type[M]) -> M:
 
     Raises LinkproofError with the path, or DescriptionError with file, line and key.
     """
+    return parse_document(read_source(path, what), model)
+
+
+def read_source(path: Path, what: str) -> Source:
+    """The text of such a file; raises LinkproofError with the path."""
     try:
-        return parse_document(Source(printable(str(path)), read_file(path, what).decode("utf-8-sig")), model)
+        return Source(printable(str(path)), read_file(path, what).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise LinkproofError(f"expected {what} in UTF-8 at '{path}', got other bytes; save it so") from error
 

@@ -75,8 +75,11 @@ class Reader:
                 carriers[point].append(name)
         return {point: sorted(names) for point, names in sorted(carriers.items())}
 
-    def owner(self, point: str, named: str | None, where: str) -> str:
-        """The body that carries a point: ``named`` where that is given, else the only one; raises DescriptionError."""
+    def owner(self, point: str, named: str | None, where: str, key: str = "link = ...") -> str:
+        """The body that carries a point: ``named`` where that is given, by a ``key``, else the only one.
+
+        Raises DescriptionError.
+        """
         owners = self.carriers.get(point)
         if owners is None:
             raise self.fail(f"{where}: {UnknownNameError('point', point, self.carriers)}")
@@ -88,7 +91,7 @@ class Reader:
         if named is None and GROUND not in owners and len(moving) > 1:
             raise self.fail(
                 f"{where}: expected one link to take the load, got point '{point}' of {listed(moving)}; name one of "
-                "them with link = ... (links = [...] for a spring)"
+                f"them with {key}"
             )
         return named or (GROUND if GROUND in owners else moving[0])
 

@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from analytic.description.changes import SPEED, numbers
+from analytic.description.diagnosis import Source
 from analytic.description.linkage import Linkage
-from analytic.description.loading import read_document
+from analytic.description.loading import parse_document, read_source
 from analytic.description.schema import Finite, TomlTable
 from analytic.description.units import Kind, factor
 from analytic.description.written import FileUnit
@@ -90,13 +91,13 @@ class TolerancedNumber:
 class Tolerances:
     """The request: results by name, the speed in its file's unit, if given, and the table of tolerances.
 
-    ``origin`` begins the message of a fault: the file's name.
+    ``source`` is their file, if they have one: faults are told with its line.
     """
 
     results: tuple[str, ...]
     speed: float | None
     table: Mapping[str, Any]
-    origin: str = ""
+    source: Source | None = None
 
 
 class ToleranceDocument(TomlTable):
@@ -109,33 +110,45 @@ class ToleranceDocument(TomlTable):
 
 def read_tolerances(path: Path) -> Tolerances:
     """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents."""
-    document = read_document(path, "a file of tolerances", ToleranceDocument)
+    source = read_source(path, "a file of tolerances")
+    document = parse_document(source, ToleranceDocument)
     if document.speed == 0.0:
-        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got 0; correct it")
-    return Tolerances(document.results, document.speed, document.tolerances, f"{path}: ")
+        raise source.fault("speed: expected a finite number other than 0, got 0; correct it")
+    return Tolerances(document.results, document.speed, document.tolerances, source)
+
+
+def _fault(source: Source | None, message: str) -> LinkproofError:
+    """The error of a key, with which the message begins, in the file that has it."""
+    return LinkproofError(message) if source is None else source.fault(message)
 
 
 def tolerances(
-    linkage: Linkage, table: Mapping[str, Any], where: str = "", speed: float = math.nan
+    linkage: Linkage, table: Mapping[str, Any], source: Source | None = None, speed: float = math.nan
 ) -> tuple[TolerancedNumber, ...]:
     """Tolerances of a linkage, and of its driver's ``speed``, SI, by name.
 
     A value is a number, a text with a unit, or a table of ± and distribution.
 
-    Raises LinkproofError, beginning with ``where`` and the name, for unknown names (with the nearest), for values that
-    are not a positive ±, and where a point has tolerances of x or y and of length or angle.
+    Raises LinkproofError with the name, and its line in the ``source``, for unknown names (with the nearest), for
+    values that are not a positive ±, and where a point has tolerances of x or y and of length or angle.
     """
     driven = {SPEED: parameter(linkage, SPEED, speed)}
     xy, known = parameters(linkage) | driven, _all_parameters(linkage) | driven
-    result = tuple(_read_tolerance(xy, known, name, value, where) for name, value in _flatten_table(table))
+    result: list[TolerancedNumber] = []
+    for name, value in _flatten_table(table):
+        try:
+            result.append(_read_tolerance(xy, known, name, value))
+        except LinkproofError as error:
+            words = str(error).removeprefix(f"{name}: ")
+            raise _fault(source, f"tolerances.{name}: {words}") from error
     cartesian = {entry.name[:-2] for entry in result if not entry.point}
     for tolerance in result:
         if tolerance.point and tolerance.point in cartesian:
-            raise LinkproofError(
-                f"{where}{tolerance.name}: expected either x and y, or length and angle, of '{tolerance.point}', "
-                "got of both; leave one out"
+            message = (
+                f"expected either x and y, or length and angle, of '{tolerance.point}', got of both; leave one out"
             )
-    return result
+            raise _fault(source, f"tolerances.{tolerance.name}: {message}")
+    return tuple(result)
 
 
 def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -165,44 +178,37 @@ def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
     return numbers
 
 
-def _read_tolerance(
-    xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str
-) -> TolerancedNumber:
-    """One tolerance from its value in the table; raises LinkproofError that begins with ``where``."""
+def _read_tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object) -> TolerancedNumber:
+    """One tolerance from its value in the table; raises LinkproofError."""
     if name not in known:
-        raise LinkproofError(
-            f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTING)}"
-        )
+        raise UnknownNameError("parameter", name, known, LISTING)
     distribution = Distribution.NORMAL
     if isinstance(value, Mapping):
         for key in value:
             if key not in (PLUS_MINUS, DISTRIBUTION):
-                raise LinkproofError(f"{where}{name}: {UnknownNameError('key', key, (PLUS_MINUS, DISTRIBUTION))}")
+                raise UnknownNameError("key", key, (PLUS_MINUS, DISTRIBUTION))
         words = value.get(DISTRIBUTION, distribution)
         if words not in tuple(Distribution):
-            raise LinkproofError(f"{where}{name}: expected distribution normal or uniform, got {_quoted(words)}")
+            raise LinkproofError(f"expected distribution normal or uniform, got {_quoted(words)}; choose one")
         distribution, value = Distribution(words), value.get(PLUS_MINUS)
-    size = _read_plus_minus(known[name], value, f"{where}{name}")
+    size = _read_plus_minus(known[name], value)
     if known[name].kind in ("mass", "inertia") and size > known[name].value:
-        raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
+        raise LinkproofError("expected a ± up to the number itself, got a larger one; lessen it")
     if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
-        raise LinkproofError(f"{where}speed: expected a ± up to half of the speed, got a larger one; lessen it")
+        raise LinkproofError("expected a ± up to half of the speed, got a larger one; lessen it")
     return TolerancedNumber(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
 
 
-def _read_plus_minus(number: Parameter, value: object, where: str) -> float:
+def _read_plus_minus(number: Parameter, value: object) -> float:
     """The ± of a number, SI, from a value of the file; raises LinkproofError for none."""
     if isinstance(value, str):
-        try:
-            size = number.si(value.replace("±", ""))
-        except LinkproofError as error:
-            raise LinkproofError(f"{where.removesuffix(number.name)}{error}") from error
+        size = number.si(value.replace("±", ""))
     elif _is_number(value):
         size = float(value) * number.unit.size  # type: ignore[arg-type]  # it is a number
     else:
-        raise LinkproofError(f"{where}: expected a number, or one with its unit, got {_quoted(value)}; correct it")
+        raise LinkproofError(f"expected a number, or one with its unit, got {_quoted(value)}; correct it")
     if not size > 0.0:
-        raise LinkproofError(f"{where}: expected a positive ±, got {_quoted(value)}; correct it")
+        raise LinkproofError(f"expected a positive ±, got {_quoted(value)}; correct it")
     return size
 
 
@@ -302,13 +308,13 @@ def tolerance_request(case: SteadyCase, requested: Tolerances, samples: int | No
     Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
     LinkproofError for an unknown name, no results, or too few or too many samples.
     """
-    result = tolerances(case.linkage, requested.table, f"{requested.origin}tolerances.", case.speed)
+    result = tolerances(case.linkage, requested.table, requested.source, case.speed)
     if not requested.results:
-        raise LinkproofError(f'{requested.origin}results: expected a figure, as "Mkr.peak", got none; name one')
+        raise _fault(requested.source, 'results: expected a figure, as "Mkr.peak", got none; name one')
     try:
         figures = named_figures(case.mechanism, requested.results)
     except LinkproofError as error:
-        raise LinkproofError(f"{requested.origin}{error}") from error
+        raise _fault(requested.source, f"results: {error}") from error
     if samples is None:
         samples = SAMPLES if is_exact(case.mechanism) else FEW_SAMPLES
     if samples < FEWEST:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from analytic.description.changes import changed
+from analytic.description.diagnosis import Source
 from analytic.description.loading import load
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import LinkproofError
@@ -68,8 +69,16 @@ def test_a_file_states_results_speed_and_tolerances_in_several_ways(tmp_path):
 )
 def test_a_wrong_tolerance_is_refused_in_a_sentence(table, words):
     with pytest.raises(LinkproofError, match=words) as told:
-        tolerances(RIMOLDI.linkage, table, "t.toml: tolerances.", 100.0)
-    assert str(told.value).startswith("t.toml: ")
+        tolerances(RIMOLDI.linkage, table, Source("t.toml"), 100.0)
+    assert str(told.value).startswith("t.toml:1: tolerances.")
+
+
+def test_a_wrong_tolerance_of_a_file_is_told_with_its_line(tmp_path):
+    file = tmp_path / "t.toml"
+    file.write_text('results = ["Mkr.peak"]\n\n[tolerances]\n"rod.B.x" = 0.1\nrod.B.w = 0.1\n', encoding="utf-8")
+    read = read_tolerances(file)
+    with pytest.raises(LinkproofError, match=r"t\.toml:5: tolerances\.rod\.B\.w: unknown parameter"):
+        tolerances(RIMOLDI.linkage, read.table, read.source)
 
 
 @pytest.mark.parametrize(
