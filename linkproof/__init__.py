@@ -8,7 +8,7 @@ from __future__ import annotations
 import os.path
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from importlib.metadata import version
@@ -58,6 +58,18 @@ def refuse_strangers() -> None:
             raise ImportError(f"expected linkproof's package '{name}' in '{home}', got {got}: {cure}", name=name)
 
 
+def _scheme(linkage: Linkage) -> Any:  # noqa: ANN401 - a figure of matplotlib
+    """What ``Linkage.plot`` draws."""
+    return import_module("reports.api.designer").check(linkage).plot()
+
+
+def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
+    """A name as it is; whoever has a linkage can draw it from then on."""
+    if name in ("Linkage", "load"):
+        import_module("analytic.description.linkage").Linkage.drawing = staticmethod(_scheme)
+    return value
+
+
 if not TYPE_CHECKING:  # to whom every name would be there
 
     def __getattr__(name: str) -> object:
@@ -68,7 +80,7 @@ if not TYPE_CHECKING:  # to whom every name would be there
         refuse_strangers()
         for module, names in _MODULES.items():
             if name in names:
-                return getattr(import_module(module), name)
+                return _public(name, getattr(import_module(module), name))
         raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
 
 

@@ -13,17 +13,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated, Final, Literal
+from html import escape
+from typing import Annotated, Any, ClassVar, Final, Literal
 
 from analytic.description.crank_motion import CrankMotion, degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
 from analytic.description.units import Kind, factor
 from analytic.description.walk import ANGLES, Keys, Number, number_fields, walk
+from analytic.errors import LinkproofError
 
 GROUND: Final = "ground"
 
@@ -296,7 +298,7 @@ BETWEEN_LINKS: Final[Mapping[str, type]] = {"dampers": RotaryDamper, "torsion_sp
 NAMED_PARTS: Final = ("ground", "links", "sliders", "slots", "gravity", *LOADS, "friction", "output", "sketch")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
 
@@ -335,6 +337,26 @@ class Linkage:
     friction: Mapping[str, JointFriction] = field(default_factory=dict)  # by point, sliding link or slot
     fluctuation: float | None = None  # coefficient of fluctuation of the speed that a flywheel is wanted for
     scales_mass: bool = False
+    drawing: ClassVar[Callable[[Linkage], Any] | None] = None
+    """What ``plot`` draws by, which stands above this room: the package linkproof sets it."""
+
+    def __repr__(self) -> str:
+        """A line."""
+        return f"<Linkage: {self.name} ({self.variant}): {self.title}>"
+
+    def _repr_html_(self) -> str:
+        """Title, source and links for a notebook."""
+        words = [(name, f"{link.mass:g} kg", ", ".join(link.points)) for name, link in self.links.items()]
+        rows = ("".join(f"<td>{escape(word)}</td>" for word in row) for row in words)
+        head = "<tr><th>link</th><th>mass</th><th>points</th></tr>"
+        table = "".join(f"<tr>{row}</tr>" for row in rows)
+        return f"<p>{escape(repr(self)[1:-1])}; {escape(self.source)}</p><table>{head}{table}</table>"
+
+    def plot(self) -> Any:  # noqa: ANN401 - a figure of matplotlib
+        """The scheme in twelve positions of its range, as a figure of matplotlib."""
+        if Linkage.drawing is None:
+            raise LinkproofError("a linkage is drawn by the package linkproof: import that first")
+        return Linkage.drawing(self)
 
     @cached_property
     def named_numbers(self) -> Mapping[str, Number]:

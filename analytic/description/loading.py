@@ -126,6 +126,9 @@ def load(name: str | Path, variant: str | None = None) -> Linkage:
     """Read a mechanism by catalogue name or path, in the given variant (its first one if None).
 
     Raises DescriptionError, with file and line, or UnknownNameError.
+
+    >>> linkproof.load("juki-mf7923d").links["crank"].mass  # kg
+    0.64
     """
     return read(name).linkage(variant)
 

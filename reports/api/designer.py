@@ -52,6 +52,9 @@ def mechanisms(
 
     MECHANISM is a name in the catalogue or the path of a .toml file: its figures for sweep, optimise and tolerance are
     listed, and the numbers that they can vary, in the units of the file.
+
+    >>> linkproof.mechanisms("juki-mf7923d").to_dict()["numbers"][0]
+    {'name': 'coupler.mass', 'units': 'kg', 'value': 0.03}
     """
     if mechanism is None:
         from reports.designs.shelves import listed_mechanisms
@@ -81,6 +84,9 @@ def new(
 
     Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML); one
     that is there already is renewed.
+
+    >>> linkproof.new("press").path.name
+    'press.toml'
     """
     from reports.api.linkages import linkage_file
     from reports.designs import linkages
@@ -95,6 +101,11 @@ def check(mechanism: Mechanism, variant: Variant = None, *, strict: Strict = Fal
     MECHANISM is the path of a .toml file or a name in the catalogue.
 
     Stops at the first error and states it in one sentence, with exit code 2.
+
+    In Python the facts are in SI with angles in rad, and a fault is one of them.
+
+    >>> f"{1000 * linkproof.check('juki-mf7923d').facts['output']['stroke']:.2f} mm"
+    '31.00 mm'
     """
     from reports.api.linkages import load_linkage
     from reports.designs.linkages import review
@@ -117,6 +128,13 @@ def results(
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
     Tables, CSV and SVG are in the units of the file, JSON is in SI with angles in rad.
+
+    In Python ``at`` (n,) is in degrees, ``time`` (n,) in s; ``dataset`` is in SI with angles in rad. Moments are
+    positive counter-clockwise, and a joint's force acts on its first link.
+
+    >>> torque = linkproof.results("juki-mf7923d", linkproof.Motion(speed=3000))["torque"]
+    >>> f"{float(abs(torque).max()):.3f} {torque.units} at {float(abs(torque).idxmax()):.3f} rad"
+    '1.293 N m at 4.084 rad'
     """
     from comparisons.designer.linkage_check import check_slips
     from reports.api.linkages import resolve
@@ -148,6 +166,9 @@ def evaluate(
     file: the Dataset is then over ``design`` and ``phi``, without signals of parts and without S, and NaN where
     ``assembled`` is False. A drive along a line has m, its file's unit of length per second and m/s² in place of rad,
     rpm and rad/s². Raises LinkproofError for bad input.
+
+    >>> linkproof.evaluate("juki-mf7923d", [0.0, 1.0], "inertia")["Jeq"].values.round(8)
+    array([8.963e-05, 7.318e-05])
     """
     import numpy as np
 
@@ -210,6 +231,9 @@ def sweep(
 
     In Python ``vary`` may map names to values (n,) each, and ``table`` be a mapping, DataFrame or Dataset of columns;
     if they are Dask arrays, so are the figures, computed chunk by chunk on request, without a limit to their number.
+
+    >>> linkproof.sweep("rimoldi-164", {"rod.B.x": [170, 180]}, "stroke").dataset["stroke"].values.round(3)
+    array([31.349, 30.651])
     """
     from comparisons.designer.sweep import sweep as sweep_space
     from reports.api.linkages import resolve
@@ -268,6 +292,9 @@ def optimise(
 
     In Python ``over`` and ``keep`` may map names to (170, 180) or "±10%", to a number, or to None, which holds the
     file's own value; None within a pair means unbounded.
+
+    >>> linkproof.optimise("rimoldi-164", minimise="Mkr.peak", over={"rod.B.x": "±2%"}, keep={"stroke": (30, 32)})
+    <Optimisation: least Mkr.peak: from 0.270411 to 0.250060 N*m at rod.B.x 172.074 mm>
     """
     from comparisons.designer.optimisation import optimise as find_optimum
     from comparisons.designer.parameters import mass_words
@@ -310,6 +337,10 @@ def tolerance(
 
     In Python ``tolerances`` may map names to their ±, and ``results`` name what the file would; the speed of the motion
     precedes that of the file.
+
+    >>> found = linkproof.tolerance("rimoldi-164", {"rod.B.x": 0.05}, "stroke", samples=1000)
+    >>> found.dataset.attrs["samples"]
+    1000
     """
     from comparisons.designer.tolerances import Tolerances, read_tolerances, tolerance_request, tolerance_study
     from reports.api.linkages import resolve
@@ -352,6 +383,12 @@ def judge(
     interpolated or smoothed; only corrections that --map states are applied.
 
     Exit codes: 0 every signal within the limit, 1 otherwise, 2 bad input or nothing to judge.
+
+    In Python ``ok`` says whether every signal is within the limit, and ``check`` raises AssertionError if not.
+
+    >>> _ = linkproof.results("juki-mf7923d").save("curves.csv")
+    >>> linkproof.judge("juki-mf7923d", "curves.csv").ok
+    True
     """
     from reports.api.judging import check_judgement, judge_files
     from reports.api.linkages import resolve

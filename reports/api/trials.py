@@ -52,6 +52,9 @@ def engines(
     ENGINE is an engine of linkproof, or an adapter announced under the entry-point group linkproof.engines.
 
     Exit codes: 0; 1 a check failed, or something that is installed does not work; 2 nothing to check.
+
+    >>> linkproof.engines("direct").to_dict()["records"][0]["settings"]
+    ['naive', 'tuned', 'best']
     """
     if checks and tries:
         raise LinkproofError("--check and --try exclude each other: leave one of them out")
@@ -72,6 +75,9 @@ def check_engine(engine: "Engine | str", jobs: int | None = None) -> "EngineFind
     """The results of every check of an adapter, given by its name or as an object, in ``jobs`` worker processes.
 
     Raises LinkproofError if there is nothing to check, or if the adapter cannot be loaded.
+
+    >>> linkproof.check_engine("direct").check().checks[0].finding
+    <Finding.PASSED: 'passed'>
     """
     start_workers("comparisons.trials.conformance.conformance")
     from comparisons.trials.runs.plugins import engine as registered
@@ -144,6 +150,10 @@ def compare(
 
     In Python ``out`` is a folder in which every run is stored as soon as it is made; ``write`` of the result adds the
     pages. A run that fails is a record; bad input raises LinkproofError.
+
+    >>> here = linkproof.Bounds(jobs=0)  # in this process
+    >>> linkproof.compare("juki-mf7923d", engine="direct", quantity="torque", bounds=here).check().records[0].outcome
+    'passed'
     """
     is_finished, begun = own_study(compare, locals())
     if begun is not None:
@@ -197,7 +207,10 @@ def bench(
 
     Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
 
-    In Python ``out`` is as in ``compare``.
+    In Python ``out`` is as in ``compare``; errors are shares of the peak, times are in s.
+
+    >>> linkproof.bench("juki-mf7923d", engine="direct", quick=True).to_pandas()["engine"].unique().tolist()
+    ['direct']
     """
     is_finished, begun = own_study(bench, locals())
     if begun is not None:
@@ -238,6 +251,9 @@ def stress(
     Exit code 1: an engine reported success with a wrong motion, and no check detected it.
 
     In Python ``out`` is as in ``compare``.
+
+    >>> linkproof.stress("start/positions/1e-08/direct/tuned")
+    <StabilityMaps: 1 cells: 1 within limit>
     """
     is_finished, begun = own_study(stress, locals())
     if begun is not None:

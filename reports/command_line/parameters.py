@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,7 @@ from reports.command_line import completion, gone
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 Bag = TypeVar("Bag")
+OF_PYTHON = re.compile(r"\n\n(?=In Python |>>> )")  # what a docstring says beyond the command
 NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 SETTINGS = {"help_option_names": ["-h", "--help"]}
 
@@ -115,7 +117,7 @@ def study_command(
         name,
         params=[_parameter(option, offers.get(option.field.name, "")) for option in every],
         callback=called,
-        help=(inspect.getdoc(function) or "").partition("\n\nIn Python")[0],
+        help=OF_PYTHON.split(inspect.getdoc(function) or "")[0],
         short_help=summary,
         context_settings=SETTINGS,
     )

@@ -249,6 +249,10 @@ class Benchmark(Trials):
         named = tuple(self.bench.document["quantities"])
         return bench_words.printout(self.bench, () if named == QUANTITIES else named)
 
+    def sentence(self) -> Printed:
+        """How much was measured."""
+        return f"{len(self.bench.points)} points of {len({point.engine for point in self.bench.points})} engines"
+
     def to_dict(self) -> Mapping[str, Any]:
         """The document and all points; times in s."""
         return self.bench.as_dict
@@ -293,6 +297,11 @@ class StabilityMaps(Trials):
         if self.are_cells:
             return Printout([stress_words.cell_details(cell) for cell in self.stress.cells], ())
         return stress_words.printout(self.stress)
+
+    def sentence(self) -> Printed:
+        """How many cells came to each verdict."""
+        counts = self.stress.count().items()
+        return f"{len(self.stress.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
 
     def to_dict(self) -> Mapping[str, Any]:
         """The document and all cells."""
