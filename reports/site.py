@@ -25,16 +25,15 @@ from comparisons.trials.stress import campaign as stress_test
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.work_precision import table as work_precision
 from comparisons.trials.work_precision.table import Bench
+from reports import bench as bench_page
 from reports import stress as stress_pages
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import index
-from reports.campaign.summary import markdown
+from reports.campaign.index import index, markdown
 from reports.document import html
 from reports.document.parts import Page, PageLink, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
-from reports.work_precision import page as bench_page
 
 # The contents of a report's folder: saved data, data sheets computed of them, and the pages made of both.
 

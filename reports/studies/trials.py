@@ -26,12 +26,12 @@ from comparisons.trials.work_precision import table as work_precision
 from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
 from comparisons.trials.work_precision.table import Bench
 from engines.contract import Outcome, Setting
+from reports import bench as bench_words
 from reports import stress as stress_words
 from reports.campaign.terminal import printout
 from reports.document.study import Content, Study, check_file
 from reports.document.terminal import Printed, Printout
 from reports.studies.judged import failed_rows
-from reports.work_precision import words as bench_words
 
 if TYPE_CHECKING:
     import pandas
@@ -94,7 +94,7 @@ class Comparison(Trials):
         if record is not None:
             write_rows(self.results.rows, record)
         if junit is not None:
-            from reports.campaign.summary import junit as test_cases  # noqa: PLC0415 - a table needs none of it
+            from reports.campaign.junit import junit as test_cases  # noqa: PLC0415 - a table needs none of it
 
             write_file(junit, test_cases(self.results.runs, self.changes))
         return replace(self, written=tuple(file for file in (record, junit) if file is not None))

@@ -7,7 +7,7 @@ import pytest
 
 from comparisons.trials.judging.changes import Change, ChangeKind
 from comparisons.trials.judging.records import RunRecord
-from reports.campaign.summary import junit
+from reports.campaign.junit import junit
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from tests.comparisons.trials.judging.test_judging import RECORD

@@ -5,10 +5,9 @@ import re
 import pytest
 
 from comparisons.trials.work_precision.table import Bench, by_regime, engines, load, places, save, standings
+from reports.bench import comparison_words, page, printout, verdicts
 from reports.document import html
 from reports.document.terminal import rendered
-from reports.work_precision.page import page, verdicts
-from reports.work_precision.words import comparison_words, printout
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
 

@@ -1,1 +1,0 @@
-"""The work-precision study on the terminal and on its page."""
