@@ -17,10 +17,8 @@ from comparisons.trials.work_precision.table import save as save_bench
 from reports.document.html import _PageFiles
 from reports.site import write_site
 from tests.commands import empty_picture
+from tests.made_up import made_up_bench, made_up_results, made_up_stress
 from tests.pages.browser import WIDTHS, opened, started
-from tests.reports.made_up_bench import made_up_bench
-from tests.reports.made_up_results import made_up_results
-from tests.reports.made_up_stress import made_up_stress
 
 pytestmark = pytest.mark.usefixtures("_at_a_browser")
 

@@ -8,8 +8,7 @@ from comparisons.trials.work_precision.table import Bench, by_regime, engines, l
 from reports.bench import comparison_words, page, printout, verdicts
 from reports.document import html
 from reports.document.terminal import rendered
-from tests.comparisons.bench_rows import points, setting_row
-from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
+from tests.made_up import bench_document, made_up_bench, nothing_finished, points, setting_row
 
 BENCH = made_up_bench()
 
@@ -27,7 +26,7 @@ def test_a_setting_is_on_ahead_of_or_off_the_front():
 
 
 def _regimes(*rows, mechanisms=("m",)):
-    return by_regime(Bench(document(mechanisms, ("alpha", "beta")), points(rows)))
+    return by_regime(Bench(bench_document(mechanisms, ("alpha", "beta")), points(rows)))
 
 
 def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
@@ -99,7 +98,7 @@ def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
 @pytest.mark.parametrize(("inside", "named"), [(0.71e-2, False), (0.69e-2, True), (None, False)])
 def test_an_overhead_over_30_percent_is_named(tmp_path, inside, named):
     run = setting_row("tuned", 1e-4, None, seconds=1e-2, repeats=(1e-2,), engine_seconds=inside)
-    file, *_ = html.write(page(Bench(document(("m",), ("alpha",)), [run])), tmp_path, ())
+    file, *_ = html.write(page(Bench(bench_document(("m",), ("alpha",)), [run])), tmp_path, ())
     text = (tmp_path / file).read_text(encoding="utf-8")
     assert ("work of the adapter, not of the engine: alpha tuned up to 31\u00a0% (m, run-up-quintic)." in text) is named
 

@@ -11,7 +11,7 @@ from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, PageLink, Paragraph
 from reports.records import looks
-from tests.reports.made_up_results import made_up_results
+from tests.made_up import made_up_results
 
 NAMES = ("juki-mf7923d", "fork-takeup")
 STUDY = (PageLink("Stability", "stress.html"), ": 480 runs")

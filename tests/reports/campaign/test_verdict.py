@@ -6,7 +6,7 @@ import pytest
 from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.records import CONTROL, Verdict
 from reports.campaign.index import EngineRanking, verdict
-from tests.reports.made_up_results import changed_results, made_up_results
+from tests.made_up import changed_results, made_up_results
 
 QUANTITIES = ("Jeq", "Mkr", "S")
 

@@ -18,7 +18,7 @@ from reports.mechanism.engines import (
     errors_section,
 )
 from reports.records import views
-from tests.reports.made_up_results import changed_results, made_up_results, unpacked
+from tests.made_up import changed_results, made_up_results, unpacked
 
 
 @pytest.fixture(scope="module")

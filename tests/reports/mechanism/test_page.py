@@ -17,8 +17,8 @@ from reports.live import live_widget
 from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
+from tests.made_up import made_up_results, unpacked
 from tests.reports.designs.samples import CRANK, MASS, ROD, SPEED, TURN, piston_text, released_sheet
-from tests.reports.made_up_results import made_up_results, unpacked
 
 
 def figures(found):

@@ -22,9 +22,7 @@ from comparisons.trials.work_precision.table import save as save_bench
 from engines.contract import Setting
 from reports.site import write_site
 from tests.commands import linkproof
-from tests.reports.made_up_bench import made_up_bench
-from tests.reports.made_up_results import made_up_results
-from tests.reports.made_up_stress import made_up_stress
+from tests.made_up import made_up_bench, made_up_results, made_up_stress
 
 NAME = "juki-mf7923d"
 ENGINES = ("exudyn", "pymunk", "mujoco", "opensim", "pybullet", "pyondsel")

@@ -20,7 +20,7 @@ from reports.stress import (
     printout,
     summary,
 )
-from tests.reports.made_up_stress import made_up_cell, made_up_stress
+from tests.made_up import made_up_cell, made_up_stress
 
 STRESS = made_up_stress()
 PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}

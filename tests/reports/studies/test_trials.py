@@ -10,7 +10,7 @@ from comparisons.trials.judging.records import Error
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.cells import StressVerdict, find_cell
 from reports.studies.trials import Benchmark, StabilityMaps, campaign_exit_code
-from tests.comparisons.bench_rows import bench_of, row
+from tests.made_up import bench_of, row
 
 
 def _record(outcome, setting="tuned"):

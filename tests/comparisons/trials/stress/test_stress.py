@@ -48,7 +48,7 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel
 from tests.comparisons.true_motions import EVERYTHING, alarms, cell, cut, judgement, true_history, with_signal
-from tests.reports.made_up_stress import made_up_cell, made_up_stress
+from tests.made_up import made_up_cell, made_up_stress
 
 EVERY = [(axis, row) for axis in axes().values() for row in axis.rows]
 STRETCH = 1e4  # times the easy value: beyond it a released motion is only slow to integrate

@@ -29,7 +29,7 @@ from comparisons.trials.work_precision.table import (
     sweeps,
     theil_sen,
 )
-from tests.comparisons.bench_rows import bench_of, points, row, setting_row, sweep_rows
+from tests.made_up import bench_of, points, row, setting_row, sweep_rows
 
 STEPS = [0.1 / 2**k for k in range(12)]
 POSITIVE = st.sampled_from([1e-6, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0])

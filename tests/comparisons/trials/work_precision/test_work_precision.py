@@ -38,8 +38,8 @@ from comparisons.trials.work_precision.table import SETTING, has_floor, sweeps
 from engines.contract import Abilities, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
-from tests.comparisons.bench_rows import row
 from tests.comparisons.faults import PATIENCE
+from tests.made_up import row
 
 METHOD = Method("plain", "as it comes")
 STEPS = tuple(12.0 * 2.0**k for k in range(9))
