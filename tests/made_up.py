@@ -22,7 +22,7 @@ from comparisons.trials.judging.quantities import QUANTITIES, Deviation, near_ju
 from comparisons.trials.judging.records import NAMES, Error, RunRecord, Verdict, run_of
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.cells import StressVerdict, axes
-from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, judged
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun
 from engines.contract import ReadOut, Setting
 from tests.comparisons.true_motions import cell
 
@@ -248,7 +248,7 @@ def made_up_bench(
                 where = {"mechanism": mechanism, "regime": regime, "engine": engine, "is_control": engine == control}
                 for quantity in ("Mkr", "joint_force"):
                     records += _bench_engine(quantity, 1.0 + number, where)
-    return judged(Bench(bench_document(mechanisms, engines), points(records)))
+    return Bench(bench_document(mechanisms, engines), points(records))
 
 
 def _bench_engine(quantity, dearer, where):

@@ -26,7 +26,7 @@ from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.tasks import Announce, Task, TaskList
 from comparisons.trials.runs.workers import ONE_BY_ONE, Pool
 from comparisons.trials.work_precision.measure import longest_step, measure
-from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, judged, still_improves
+from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, still_improves
 from engines.contract import Method, Outcome, Setting, StudiedEngine
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -272,7 +272,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
         for number in range(1, request.extent.repeats):
             rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
         longest = max(longest, time.monotonic() - begun)
-    return judged(Bench(_document(request), _runs(request, sweeps, rounds)))
+    return Bench(_document(request), _runs(request, sweeps, rounds))
 
 
 def _document(request: BenchRequest) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections import defaultdict, namedtuple
+from collections import namedtuple
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
@@ -39,9 +39,7 @@ class BenchRun(RunRecord):
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
     s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
     times of the stepping alone, s. ``detail`` says why, where it did not finish; ``used`` is what the adapter says of
-    the run, ``ended`` why its sweep goes no further. ``orders`` are those of the point's whole sweep, by quantity;
-    in the quantities of ``fronts`` no other point of the engine, single runs and extrapolated ones apart, is as cheap
-    and as exact.
+    the run, ``ended`` why its sweep goes no further.
 
     Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
     where it did not finish; 0 ``runs`` gave no motion. So is ``engine_seconds``, the part of a setting's stepping
@@ -64,8 +62,6 @@ class BenchRun(RunRecord):
     detail: str = ""
     used: str = ""
     ended: str = ""
-    orders: Mapping[str, float] = field(default_factory=dict)
-    fronts: tuple[str, ...] = ()
 
     @property
     def seconds_median(self) -> float:
@@ -110,7 +106,6 @@ class BenchRun(RunRecord):
                 "outcome": Verdict.NOT_PROVIDED.value if is_lacking else self.outcome,
                 "detail": error.detail if is_lacking else self.detail,
                 "finished": self.outcome == Outcome.FINISHED and error.error_max is not None and bool(self.repeats),
-                "order": self.orders.get(error.quantity),
             }
 
 
@@ -138,16 +133,21 @@ class Bench:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document and all points, JSON-ready."""
-        return {**self.document, "records": [point.data for point in self.points]}
+        """The document and all points with the orders of their sweeps by quantity, JSON-ready."""
+        orders: dict[str, dict[str, float]] = {point.key: {} for point in self.points}
+        for (key, quantity), order in sweep_orders(self.table).items():
+            orders[key][quantity] = order
+        return {**self.document, "records": [{**point.data, "orders": orders[point.key]} for point in self.points]}
 
     @cached_property
     def table(self) -> DataFrame:
-        """A row for every point in each of its quantities, with the columns of ``BenchRun.columns``."""
-        from pandas import DataFrame  # noqa: PLC0415  half a second that a worker process saves
+        """A row for every point in each of its quantities: ``BenchRun.columns``, and the ``order`` of its sweep."""
+        from pandas import DataFrame, Series  # noqa: PLC0415  half a second that a worker process saves
 
         rows = [row for point in self.points for row in point.columns(self.document["quantities"])]
-        return DataFrame(rows, dtype=object).astype(dict.fromkeys(("finished", "is_control", "is_extrapolated"), bool))
+        table = DataFrame(rows, dtype=object).astype(dict.fromkeys(("finished", "is_control", "is_extrapolated"), bool))
+        orders, places = sweep_orders(table), zip(table.key, table.quantity, strict=True)
+        return table.assign(order=Series([orders.get(place) for place in places], dtype=object))
 
     @cached_property
     def noise(self) -> float:
@@ -312,19 +312,14 @@ def front(points: DataFrame) -> DataFrame:
     return done[unbeaten].sort_values("total_seconds", kind="stable")
 
 
-def judged(bench: Bench) -> Bench:
-    """The points with their orders, and the quantities in which they are on their engine's front, filled in."""
-    orders, fronts = defaultdict[str, dict[str, float]](dict), defaultdict[str, list[str]](list)
-    for sweep in sweeps(bench.table):
+def sweep_orders(points: DataFrame) -> dict[tuple[str, str], float]:
+    """The observed order of the sweep of each point, where it has one, by the point's key and the quantity."""
+    orders: dict[tuple[str, str], float] = {}
+    for sweep in sweeps(points):
         order = observed_order(list(sweep.step), list(sweep.error_max))
         if order is not None:
-            for row in rows(sweep):
-                orders[row.key][row.quantity] = order
-    for _, points in bench.table.groupby([*PLACE, "quantity", "engine", "is_extrapolated"], sort=False):
-        for row in rows(front(points)):
-            fronts[row.key].append(row.quantity)
-    runs = (replace(run, orders=orders[run.key], fronts=tuple(fronts[run.key])) for run in bench.points)
-    return Bench(bench.document, tuple(runs))
+            orders |= dict.fromkeys(zip(sweep.key, sweep.quantity, strict=True), order)
+    return orders
 
 
 def choices(points: DataFrame) -> list[Row | None]:

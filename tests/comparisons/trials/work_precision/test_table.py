@@ -16,7 +16,6 @@ from comparisons.trials.work_precision.table import (
     choices,
     has_floor,
     is_falling,
-    judged,
     least,
     load,
     observed_order,
@@ -121,13 +120,13 @@ def test_an_error_falls_where_the_finest_step_is_the_best_beyond_scatter(errors,
     assert is_falling(errors) is falls
 
 
-def test_order_and_least_error_of_every_sweep_are_found_and_written_into_its_points():
-    completed = judged(Bench(_document(), [*SECOND, *FOURTH, setting_row("tuned", 1e-4, 1e-2)]))
-    orders = {run.setting: run.orders.get("Mkr") for run in completed.points}
+def test_order_and_least_error_of_every_sweep_are_found():
+    completed = bench_of(*SECOND, *FOURTH, setting_row("tuned", 1e-4, 1e-2))
+    orders = {record["setting"]: record["orders"].get("Mkr") for record in completed.as_dict["records"]}
     assert orders == {"second": pytest.approx(2.0), "fourth": pytest.approx(4.0), "tuned": None}
     (second, _) = sweeps(completed.table)
     assert (least(second).step, has_floor(second)) == (SECOND[-1].step, False)
-    assert [run.fronts for run in completed.points[:4]] == [("Mkr",), ("Mkr",), ("Mkr",), ("Mkr",)]
+    assert second.order.tolist() == [pytest.approx(2.0)] * len(SECOND)
 
 
 def test_the_cheapest_point_that_holds_an_error_is_chosen():
