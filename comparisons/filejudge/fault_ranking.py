@@ -28,7 +28,7 @@ from comparisons.filejudge.hypotheses import (
     unit_slips,
     wrap_angle,
 )
-from comparisons.filejudge.simulation import CRANK, JUMPING, LINKAGE, Simulation
+from comparisons.filejudge.simulation import CRANK, JUMPING, LINKAGE, OF_MOTION, Simulation
 from comparisons.motion.case import DriverMotion
 from comparisons.trials.judging.quantities import near_jumps
 
@@ -48,6 +48,8 @@ FIRST_LOOK: Final = 4  # evaluations after which a fit goes on if it leaves
 PROMISING: Final = 0.5  # of the difference of a column, or less
 HOPELESS: Final = 0.05  # of the squares: a number that takes less away where it is small explains nothing
 
+MOST_SAMPLES: Final = 5000  # of a signal with which faults are compared,
+WORST: Final = 100  # and so many of the worst
 SAMPLES: Final = 300  # of a signal to which faults are fitted,
 FEWEST: Final = 100  # or fewer of each where they are many
 MANY: Final = 4  # signals
@@ -389,7 +391,7 @@ class _Search:
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence], column: ImportedSignal | None) -> None:
         self.simulation, self.evidence, self.column = simulation, evidence, column
         self.places = {signal.name: n for n, signal in enumerate(evidence)}
-        self.whole = Fitting(simulation, evidence)
+        self.whole = Fitting(simulation, [signal.thinned(MOST_SAMPLES, WORST) for signal in evidence])
         few = max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(evidence)))
         self.thin = Fitting(simulation, [signal.thinned(few) for signal in evidence])
         self.differ = np.array([differs(signal) for signal in evidence])
@@ -400,8 +402,8 @@ class _Search:
     def fits(self, names: Sequence[str], open_names: Sequence[str]) -> list[Fit]:
         """Every hypothesis fitted that does no harm; ``names`` are the signals that a column may be taken for.
 
-        Where a setting explains everything, or of a linkage whose positions are computed by iteration anything,
-        nothing is sought in what is slow.
+        Nothing is sought in what is slow where a setting explains everything, or a number where a column of the motion
+        is right; of a linkage whose positions are computed by iteration where anything does.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
         rows += of_columns(self.evidence)
@@ -411,7 +413,9 @@ class _Search:
         if self.simulation.mechanism.is_numerical:
             is_settled = any(len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result)
         else:
-            is_settled = any(fit.rank[0] <= FaultKind.SETTING and np.all(fit.largest <= NOTICED) for fit in result)
+            moves = any(signal.si in OF_MOTION and not differs(signal) for signal in self.evidence)
+            sure = FaultKind.NUMBER if moves else FaultKind.SETTING
+            is_settled = any(fit.rank[0] <= sure and np.all(fit.largest <= NOTICED) for fit in result)
         return result if is_settled else result + self._harmless(row for row in rows if row.is_slow)
 
     def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:

@@ -157,10 +157,12 @@ class Evidence(SignalTimes):
     si: str = ""
     header: float = 1.0
 
-    def thinned(self, most: int) -> Evidence:
-        """The evidence at ``most`` samples or fewer, equally spread."""
-        every = -(-len(self.time) // most)
-        parts: dict[str, Any] = {k: v[::every] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
+    def thinned(self, most: int, worst: int = 0) -> Evidence:
+        """The evidence at ``most`` samples or fewer, equally spread, and at the ``worst`` few of more."""
+        few = np.arange(0, len(self.time), -(-len(self.time) // most))
+        if worst and len(few) < len(self.time):
+            few = np.union1d(few, np.argsort(np.nan_to_num(np.abs(self.residual)))[-worst:])
+        parts: dict[str, Any] = {k: v[few] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
         return replace(self, **parts)
 
     @property

@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 
 NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
+MOST_FLOORS: Final = 5000  # instants at which it is worked out what the rounding of times and angles leaves open
 FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
 FEWEST_OF_NOISE: Final = 30  # samples that tell noise from a trend,
@@ -43,20 +44,26 @@ SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more
 
 
 def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth: Sequence[Array]) -> list[Array]:
-    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles."""
+    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles.
+
+    Of a long signal what instants and angles leave open is worked out at a part of its instants.
+    """
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
-    others = [model.with_values({MOTION: motion}).predict(signals) for motion in likewise]
+    places = [np.unique(np.linspace(0, len(s.time) - 1, MOST_FLOORS).astype(int)) for s in signals]
+    few = [SignalTimes(s.name, s.time[place]) for s, place in zip(signals, places, strict=True)]
+    others = [model.with_values({MOTION: motion}).predict(few) for motion in likewise]
+    moved = [s.time_rounding[place] for s, place in zip(signals, places, strict=True)]
     early, late = (
-        model.predict([SignalTimes(s.name, s.time + sign * s.time_rounding) for s in signals]) for sign in (-1.0, 1.0)
+        model.predict([replace(s, time=s.time + sign * by) for s, by in zip(few, moved, strict=True)])
+        for sign in (-1.0, 1.0)
     )
-    for number, signal in enumerate(signals):
-        by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
-        apart = [
-            np.where(near_jumps(signal.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others
-        ]
-        by_angle = _largest_nearby(apart, model.motion) if apart else 0.0
-        floors.append(signal.rounding + np.where(signal.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
+    for n, signal in enumerate(signals):
+        right, is_at_jump = truth[n][places[n]], near_jumps(few[n].time, model.motion)
+        open_ = np.where(moved[n] > 0.0, np.maximum(np.abs(early[n] - right), np.abs(late[n] - right)), 0.0)
+        apart = [np.where(is_at_jump, 0.0, np.abs(other[n] - right)) for other in others]
+        open_ = open_ + SPREAD * _largest_nearby(apart, model.motion) if apart else open_
+        floors.append(signal.rounding + np.interp(signal.time, few[n].time, open_))
     return floors
 
 
