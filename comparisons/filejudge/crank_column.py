@@ -14,10 +14,8 @@ from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are used
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, PPoly, make_lsq_spline, make_splrep
-from scipy.ndimage import maximum_filter1d
-from scipy.optimize import least_squares
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
 from analytic.errors import LinkproofError
@@ -249,7 +247,7 @@ def _fit_near(samples: _Samples, family: str, guess: float) -> KnownFit:
     near = samples.duration / TRIED_TIMES
     lower = max(guess - near, 0.5 * SHORTEST_TIME * samples.duration)
     upper = min(guess + near, _longest(samples, family))
-    best = least_squares(
+    best = scipy.optimize.least_squares(
         lambda time: _fit_with_time(samples, family, float(time[0])).residual, guess, bounds=(lower, upper),
         x_scale=samples.duration, method="dogbox", xtol=1e-13, ftol=1e-15, gtol=None,
     )  # fmt: skip
@@ -272,7 +270,9 @@ def _evened_out(fit: KnownFit) -> KnownFit:
         numbers[free] = x
         return KnownFit(fit.samples, fit.family, *numbers.tolist())
 
-    even = least_squares(lambda x: with_numbers(x).residual ** EVEN, numbers[free], x_scale="jac", max_nfev=100)
+    even = scipy.optimize.least_squares(
+        lambda x: with_numbers(x).residual ** EVEN, numbers[free], x_scale="jac", max_nfev=100
+    )
     return min((fit, with_numbers(even.x)), key=lambda fit: fit.largest)
 
 
@@ -300,7 +300,10 @@ def _splines(samples: _Samples, start_angle: float, name: str) -> ColumnMotion:
     corners = _corners(few, smooth)
     knots, degree, name = (smooth.t, degree, name) if corners is None else (corners, 2 - few.of_speed, CORNERS)
     columns = (few, *few.trials(few.rounding))
-    curves = [make_lsq_spline(few.time, column.values, knots, degree, w=1.0 / few.rounding) for column in columns]
+    curves = [
+        scipy.interpolate.make_lsq_spline(few.time, column.values, knots, degree, w=1.0 / few.rounding)
+        for column in columns
+    ]
     if corners is None:
         curves.append(_smooth(few.thinned(max(len(few.time) // 2, degree + 1)), degree))
     every = [curve.antiderivative() if samples.of_speed else curve for curve in curves]
@@ -308,22 +311,22 @@ def _splines(samples: _Samples, start_angle: float, name: str) -> ColumnMotion:
     return ColumnMotion(name, first.segments, tuple(others))
 
 
-def _smooth(samples: _Samples, degree: int) -> BSpline:
+def _smooth(samples: _Samples, degree: int) -> scipy.interpolate.BSpline:
     """The spline whose residuals spread as roundings do; the nearest where SciPy, which then warns, reaches none."""
     time, weights = samples.time, math.sqrt(3.0) / samples.rounding
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        return make_splrep(time, samples.values, w=weights, k=degree, s=len(time))
+        return scipy.interpolate.make_splrep(time, samples.values, w=weights, k=degree, s=len(time))
 
 
-def _corners(samples: _Samples, smooth: BSpline) -> Array | None:
+def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | None:
     """The knots of constant accelerations that a column is within its rounding; None where there are none.
 
     They are sought where the acceleration of a ``smooth`` spline changes fastest.
     """
     time, degree = samples.time, 2 - samples.of_speed
     jerk = np.abs(smooth.derivative(degree + 1)(time))
-    highest = maximum_filter1d(jerk, 2 * (len(time) // TRIED_TIMES) + 1)
+    highest = scipy.ndimage.maximum_filter1d(jerk, 2 * (len(time) // TRIED_TIMES) + 1)
     found = np.flatnonzero((jerk == highest) & (jerk > CORNER * np.max(jerk)))
     found = found[(found > 0) & (found < len(time) - 1)]
     if not 0 < len(found) <= MOST_CORNERS:
@@ -333,21 +336,23 @@ def _corners(samples: _Samples, smooth: BSpline) -> Array | None:
         return np.concatenate([[time[0]] * (degree + 1), np.sort(corners), [time[-1]] * (degree + 1)])
 
     def residual(corners: Array) -> Array:
-        curve = make_lsq_spline(time, samples.values, knots(corners), degree, w=1.0 / samples.rounding)
+        curve = scipy.interpolate.make_lsq_spline(
+            time, samples.values, knots(corners), degree, w=1.0 / samples.rounding
+        )
         return np.asarray((curve(time) - samples.values) / samples.rounding)
 
     near = (time[-1] - time[0]) / (2.0 * TRIED_TIMES)
     bounds = (np.maximum(time[found] - near, time[0]), np.minimum(time[found] + near, time[-1]))
     try:
-        best = least_squares(residual, time[found], bounds=bounds, x_scale=near)
+        best = scipy.optimize.least_squares(residual, time[found], bounds=bounds, x_scale=near)
     except (ValueError, np.linalg.LinAlgError):  # corners that meet, or with no sample between them
         return None
     return knots(best.x) if np.max(np.abs(best.fun)) <= SLACK else None
 
 
-def _motion_of_spline(curve: BSpline, start_angle: float, name: str) -> CrankMotion:
+def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name: str) -> CrankMotion:
     """The pieces of a spline of angles, rad."""
-    pieces = PPoly.from_spline(curve)
+    pieces = scipy.interpolate.PPoly.from_spline(curve)
     spans = zip(pieces.x.tolist(), pieces.x[1:].tolist(), pieces.c[::-1].T.tolist(), strict=False)
     every = [(start, end, numbers) for start, end, numbers in spans if end > start]
     return CrankMotion(

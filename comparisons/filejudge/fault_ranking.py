@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are used
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
@@ -220,7 +220,9 @@ class Fitting:
             if least @ least >= (1.0 - HOPELESS) * (rest @ rest):
                 return fit
         for most in (FIRST_LOOK, EVALUATIONS):
-            found = least_squares(known, found, slopes, method="lm", x_scale=1.0, ftol=SETTLED, max_nfev=most).x
+            found = scipy.optimize.least_squares(
+                known, found, slopes, method="lm", x_scale=1.0, ftol=SETTLED, max_nfev=most
+            ).x
             fit = _fit_of(fault, guess + sizes * found, seen[found.tobytes()])
             if fit is None or not np.any(fit.rms < PROMISING * self.rms):
                 break
@@ -275,9 +277,9 @@ def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
 class FaultFinding:
     """Signals that one cause explains, by its names: the likeliest and the ``others`` that fit as well.
 
-    ``left`` is what it leaves of their error, over the peaks that they have with it; ``fully`` whether that is within
-    the rounding. ``aligned`` are corrections of sign and unit without which it does not fit, ``corrections`` those for
-    the mapping: these, and what undoes the likeliest cause.
+    ``left`` is what it leaves of their error, over the peaks that they have in the file; ``fully`` whether that is
+    within the rounding. ``aligned`` are corrections of sign and unit without which it does not fit, ``corrections``
+    those for the mapping: these, and what undoes the likeliest cause.
     """
 
     signals: tuple[str, ...]
@@ -441,19 +443,12 @@ class _Search:
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
         alike = [self.whole.rounded(fit) for fit in rivals if np.all(fit.rms[places] <= bound)]
         best, *others = sorted(alike, key=lambda fit: (fit.rank, round(self.log_remainder(fit, names), 1), fit.change))
-        shares = self._tolerances(best, places)
-        left = max(share * largest for share, largest in zip(shares, best.largest[places], strict=True))
+        explained = [self.whole.evidence[place] for place in places]
+        shares = [np.max(signal.tolerance) / (np.max(np.abs(signal.values)) or signal.scale) for signal in explained]
+        left = float(np.max(shares * best.largest[places]))
         fully = bool(np.all(best.largest[places] <= NOTICED))
         cure = corrections(best, names, self.column)
         return FaultFinding(names, best, tuple(_rivals_to_report(best, others)), left, fully, cure)
-
-    def _tolerances(self, fit: Fit, places: Sequence[int]) -> Iterator[float]:
-        """The tolerances of some signals, over the peaks that they have with a fault."""
-        evidence = [self.evidence[place] for place in places]
-        curves = fit.applied(self.simulation).predict(evidence)
-        for signal, curve in zip(evidence, curves, strict=True):
-            peak, right = (float(np.nanmax(np.abs(y), initial=0.0)) for y in (curve, signal.truth))
-            yield float(np.max(signal.tolerance)) / (signal.scale * (peak / right if peak and right else 1.0))
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:

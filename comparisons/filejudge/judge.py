@@ -8,7 +8,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
@@ -73,7 +72,8 @@ def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
         return np.full(len(largest), np.max(largest))
     size = max(1, len(largest) // NEIGHBOURS)
-    return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
+    wide = np.pad(largest, (size // 2, (size - 1) // 2), mode="edge")
+    return np.asarray(np.max(np.lib.stride_tricks.sliding_window_view(wide, size), axis=1))
 
 
 def jump_sizes(model: Simulation, signal: SignalTimes) -> Array:
