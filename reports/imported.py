@@ -183,7 +183,8 @@ def _remaining_error(finding: FaultFinding) -> str:
     apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
-    return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
+    rest = "another cause, or the step or the softness of the engine"
+    return f"This explains most of the difference; {share(finding.left)} of a peak is left: {rest}.{apart}"
 
 
 # A judgement of another tool's results as JSON: plain numbers, SI, angles in rad.

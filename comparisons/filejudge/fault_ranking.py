@@ -185,7 +185,7 @@ class Fitting:
         return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
     def _fitted(self, fault: Hypothesis, guess: Array) -> Fit | None:
-        """The least-squares fit of a fault's numbers from a guess; None if that cannot be simulated.
+        """The least-squares fit of a fault's numbers from a guess to what it changes; None if it cannot be simulated.
 
         It ends early where the first steps explain no column by half.
         """
@@ -194,26 +194,33 @@ class Fitting:
         seen: dict[bytes, list[Array] | None] = {here.tobytes(): self.before} if is_start else {}
 
         def remains(step: Array) -> Array | None:
-            """The residuals of all signals, each weighted alike however many samples it has; None if impossible."""
+            """The residuals of what changes, each weighted alike however many samples it has; None if impossible."""
             key, numbers = step.tobytes(), guess + sizes * step
             if key not in seen:
                 seen[key] = self.residuals(fault, numbers) if np.all(numbers >= fault.least) else None
             parts = seen[key]
-            return None if parts is None else np.concatenate([values / np.sqrt(len(values)) for values in parts])
+            return None if parts is None else np.concatenate([parts[n] / np.sqrt(len(parts[n])) for n in changing])
 
         def known(step: Array) -> Array:
             values = remains(step)
-            return np.full(samples, IMPOSSIBLE) if values is None else np.nan_to_num(values)
+            if values is None:
+                return np.full(sum(len(self.before[n]) for n in changing), IMPOSSIBLE)
+            return np.nan_to_num(values)
 
         def slopes(step: Array) -> Array:
             base, beside = remains(step), [remains(step + axis) for axis in axes]
             rises = [0.0 * known(step) if base is None or other is None else other - base for other in beside]
             return np.nan_to_num(np.stack(rises, axis=1) / DIFFERENCE_STEP)
 
-        samples = sum(len(values) for values in self.before)
+        changing = list(range(len(self.before)))
         if remains(here) is None:
             return None
+        slopes(here)
+        tried = [parts for parts in seen.values() if parts is not None]
+        changing = [n for n in changing if not all(np.array_equal(p[n], tried[0][n], equal_nan=True) for p in tried)]
         found, fit = here, _fit_of(fault, guess, seen[here.tobytes()])
+        if not changing:
+            return fit
         if is_start:
             rest, jacobian = known(here), slopes(here)
             least = rest - jacobian @ np.linalg.lstsq(jacobian, rest, rcond=1e-10)[0]
@@ -408,9 +415,9 @@ class _Search:
         is right; of a linkage whose positions are computed by iteration where anything does.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
-        rows += of_columns(self.evidence)
         for signal in self.evidence:
             rows += of_column(signal, self.simulation, names) if signal.name in open_names else ()
+        rows += of_columns(self.evidence)
         result = self._harmless(row for row in rows if not row.is_slow)
         if self.simulation.mechanism.is_numerical:
             is_settled = any(len(self.explained_signals(fit, open_names)) == len(open_names) for fit in result)

@@ -1,7 +1,8 @@
 """How often ``judge`` names the fault in files of a program that shares nothing with the closed form.
 
-``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean`` or ``fault``. Every file is
-judged twice, the second time with points and links renamed and the linkage's file in another order.
+``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault``, or ``columns`` where two of
+them are wrong. Every file is judged twice, the second time with points and links renamed and the linkage's file in
+another order.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from comparisons.filejudge.reading import read_results
 from comparisons.trials.judging.records import Verdict
 from tests.nightly.judging.exports import ENDINGS, case
 
-KINDS = {"clean": 0, "fault": 1}
+KINDS = {"clean": 0, "fault": 1, "columns": 2}
 CLOSE = 0.05  # of a number's change, within which it is named right
 EQUAL = 1e-6  # of the largest number of its kind
 RIGHT = ("clean", "first")

@@ -21,7 +21,7 @@ from tests.comparisons.filejudge.layouts import (
     trajectory,
 )
 from tests.nightly.judging.multibody import AssemblyError, Multibody
-from tests.nightly.judging.planting import Plan, pick, planted, unit_kind
+from tests.nightly.judging.planting import Plan, pick, planted, planted_in_two, unit_kind
 from tests.nightly.judging.turning import DEGREE, RPM, Turning
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
@@ -184,7 +184,7 @@ def written(layout, digits, curves, style):
 
 
 def case(seed, number, faults, *, rename=False):
-    """The export of a number: clean, or with one fault that changes a signal visibly."""
+    """The export of a number: clean, with one fault that changes a signal visibly, or with faults of two columns."""
     for attempt in range(ATTEMPTS):
         random = np.random.default_rng([seed, number, faults, attempt])
         try:
@@ -217,9 +217,11 @@ def _case(random, number, faults, *, rename):
     others = map(str, random.permutation(pool)[: int(random.integers(1, 4))])
     signals = [*([by] if by else []), "Mkr", *others]
     plans = [Plan(file, motion)]
-    for _ in range(faults):
-        unit = {n: 1.0 if layout in IN_SI else PRINTED[unit_kind(n)][style][1] for n in signals}
-        plans.append(planted(random, plans[-1], signals, by, unit.__getitem__))
+    unit = {n: 1.0 if layout in IN_SI else PRINTED[unit_kind(n)][style][1] for n in signals}.__getitem__
+    if faults == 1:
+        plans.append(planted(random, plans[-1], signals, by, unit))
+    if faults == 2:
+        plans += planted_in_two(random, plans[-1], signals, by, unit)
     plan, time = plans[-1], np.linspace(0.0, motion.duration, int(pick(random, (181, 241, 361, 501))))
     is_same = plan.file is file and not plan.branch
     simulated = bodies if is_same else Multibody(plan.file, plan.branch)

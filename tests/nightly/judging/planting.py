@@ -71,6 +71,17 @@ def planted(random, plan, signals, by, unit):
     return replace(plan, kind=kind, names=names, alter=(*plan.alter, change))
 
 
+def planted_in_two(random, plan, signals, by, unit):
+    """Faults of two columns, of different kinds: the plan with the first, and with both."""
+    plans, kinds = [plan], random.permutation(["sign", "unit", "flipped samples", "late column"])
+    for name, kind in zip(random.permutation([n for n in signals if n != by])[:2], kinds, strict=False):
+        if kind == "unit" and unit_kind(name) not in UNITS:
+            raise AssemblyError("no other unit")
+        names, change = torque_faults(random, unit, one=str(name), torque=str(name))[kind]
+        plans.append(replace(plan, kind=str(kind), names=names, alter=(*plans[-1].alter, change)))
+    return plans[1:]
+
+
 # Of a number's old value, a random factor and the linkage's smallest length.
 CHANGES = {
     "factor": lambda random, x: _times(x, 1.0 + size(random)),

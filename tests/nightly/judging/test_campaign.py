@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.nightly.judging.campaign import RIGHT, judged, outcome, trial
+from tests.nightly.judging.campaign import KINDS, RIGHT, judged, outcome, trial
 from tests.nightly.judging.exports import case
 
 SEED = 7
@@ -26,3 +26,9 @@ def test_the_fault_is_named_first_and_none_in_a_clean_file(kind, number):
 def test_an_answer_does_not_hang_on_names_nor_on_the_order_of_the_file(number):
     came, changes, _, words = trial("fault", number, SEED)
     assert (came in RIGHT, changes) == (True, False), words
+
+
+@pytest.mark.nightly
+def test_faults_of_two_columns_are_both_named():
+    named = [outcome(export, judged(export)) for export in (case(0, number, KINDS["columns"]) for number in range(20))]
+    assert named.count("first") >= 18
