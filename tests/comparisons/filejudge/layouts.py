@@ -38,7 +38,10 @@ def results_of(values, time, *, digits=6):
         at, at_half = rounded(time, 10)
         column = Column(name, "", printed, half, "made up")
         signals.append(ImportedSignal(name, at, printed, half, at_half, "time", column))
-    return ImportedResults(tuple(signals), (), {}, tuple((s.name, s.column, 1.0, "") for s in signals))
+    clock = Column("time", "s", *rounded(time, 10), "made up")
+    return ImportedResults(
+        tuple(signals), (), {}, (("time", clock, 1.0, ""), *((s.name, s.column, 1.0, "") for s in signals))
+    )
 
 
 def with_link(linkage, name, **changes):

@@ -1,8 +1,8 @@
 """How often ``judge`` names the fault in files of a program that shares nothing with the closed form.
 
-``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault``, or ``columns`` where two of
-them are wrong. Every file is judged twice, the second time with points and links renamed and the linkage's file in
-another order.
+``python -m tests.nightly.judging.campaign KIND COUNT [SEED]``: KIND is ``clean``, ``fault``, or ``columns`` with two
+wrong ones. Every file is judged twice, the second time with points and links renamed and the linkage's file in another
+order.
 """
 
 from __future__ import annotations
