@@ -330,7 +330,7 @@ def wrap_angle(angle: float) -> float:
     return (float(angle) + math.pi) % FULL_TURN - math.pi
 
 
-def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN401 - a Motion, narrowed
+def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN401 - a DriverMotion, narrowed
     """Faults of a stated regime: another speed, another ramp, another time of the ramp."""
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
     paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE_CAPTURE, 9.0), MOST_PACES)))
