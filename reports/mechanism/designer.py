@@ -19,6 +19,7 @@ from comparisons.designer.sheet import JOINT, ROUNDING, Sheet
 from reports.charts import draw
 from reports.charts.draw import FULL_WIDTH, PALETTE, Array, Host, drawn, wrap
 from reports.charts.scheme import scheme_figure
+from reports.charts.symbols import unit as unit_vector
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import (
     Bullets,
@@ -180,7 +181,8 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
             axes.plot(*dots, "o", color=colour)
             for at, *place in zip(degrees, *dots, strict=True):
                 if not at % QUARTERS:
-                    axes.annotate(f"{at}°", place, (4.0, 4.0), textcoords="offset points")
+                    away = 11.0 * unit_vector(np.array(place) - np.mean(dots, axis=1))  # points
+                    axes.annotate(f"{at}°", place, away, textcoords="offset points", ha="center", va="center")
         axes.set_title(
             wrap(titles.get(vector) or plain(vector.partition(":")[2] or vector), FULL_WIDTH / PER_ROW - 0.6)
         )
