@@ -12,6 +12,7 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -20,12 +21,16 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from analytic.errors import LinkproofError
 from comparisons.motion.case import Truth, scene
+from comparisons.trials.conformance.trial import case as sample_case
+from comparisons.trials.conformance.trial import scene_of
+from comparisons.trials.judging.limits import limit
 from comparisons.trials.runs.workers import LocalPool
-from engines.contract import Outcome, Setting
+from engines.contract import Origin, Outcome, Setting
 from engines.registry import engine, own_names
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.stepping.richardson import named_signals
-from tests.analytic.linkages import double_rocker_text, from_text, mechanism, text_of
+from engines.stepping.stepped_engine import plain
+from tests.analytic.linkages import double_rocker_text, file_text, from_text, mechanism, text_of
 from tests.engines.closed_form import (
     EVERYTHING,
     crank_number,
@@ -453,3 +458,160 @@ def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
     installed(name)
     ((_, left),) = LocalPool(1).run(left_by, [(name,)])
     assert left < ALLOWED
+
+
+# -- what single engines have of their own ------------------------------------------------------------------------------
+
+
+def test_a_run_with_what_dart_ships_leaves_nothing_to_the_next():
+    """A constraint's error reduction holds for all of the process."""
+
+    def torque(setting, **recipe):
+        engine = installed("dart")
+        engine.settings = {Prescribed: {setting: dataclasses.replace(engine.settings[Prescribed][setting], **recipe)}}
+        return run_of(engine, mechanism("fork-takeup"), QUINTIC, setting).torque.values
+
+    ways = 2 * [{"setting": Setting.TUNED, "ratios": (5,)}, {"setting": Setting.NAIVE}]
+    first, naive, again, repeated = (torque(**given) for given in ways)
+    np.testing.assert_array_equal(first, again)
+    np.testing.assert_array_equal(naive, repeated)
+
+
+@pytest.mark.parametrize("setting", [Setting.NAIVE, Setting.TUNED])
+def test_bodies_of_pybullet_have_the_inertia_that_they_are_given(setting):
+    """PyBullet 3.2.7 forgets one that it is given in one call with a damping."""
+    pybullet, loop = pytest.importorskip("pybullet"), pytest.importorskip("engines.pybullet_loop")
+    adapter, scene = installed("pybullet"), driven(mechanism("slotted-takeup"), STEADY)
+    world = loop.World(plain(adapter.model(scene, adapter.settings[Prescribed][setting])))
+    inertias = [pybullet.getDynamicsInfo(body, -1, world.client)[2][2] for body in world.bodies[:-1]]
+    pybullet.disconnect(world.client)
+    assert inertias == [body.inertia or body.mass for body in scene.bodies]
+
+
+def test_pybullets_first_samples_of_a_start_at_full_speed_are_as_good_as_the_others():
+    linkage = mechanism("slotted-takeup")
+    history = run_of(installed("pybullet"), linkage, STEADY, Setting.TUNED)
+    signals = (history.position, history.acceleration, history.torque, *history.joint_force.values())
+    assert [signal.time[0] for signal in signals] == [0.0] * len(signals)
+    assert max(errors_of(history, linkage, STEADY).values()) < 5e-5
+
+
+def test_every_solution_of_ondsel_has_a_folder_of_its_own_for_files_of_fixed_names(monkeypatch):
+    adapter = installed("ondsel")
+    from engines import ondsel_loop  # noqa: PLC0415 - it imports pyondsel
+
+    before, seen = os.environ.get("TMPDIR"), []
+    solve = ondsel_loop.solve_asmt
+
+    def solved(*args, **options):
+        seen.append(os.environ["TMPDIR"])
+        assert Path(seen[-1]).is_dir()
+        return solve(*args, **options)
+
+    monkeypatch.setattr(ondsel_loop, "solve_asmt", solved)
+    run_of(adapter, mechanism("juki-mf7923d"), crank_motion("run-up", ramp_time=0.02, hold_time=0.01), Setting.TUNED)
+    assert len(set(seen)) == len(seen) > 1
+    assert os.environ.get("TMPDIR") == before
+    assert not any(map(os.path.exists, seen))
+
+
+def test_ondsels_accelerations_of_a_slot_that_turns_are_wrong_by_a_known_formula_and_right_in_tuned():
+    """The crank is a bar with a slot through its pivot; the slot pushes a block along y = 0.1 m."""
+    height, speed = 0.1, 5.0
+    linkage = from_text(file_text("block-pushed-by-a-slot"))
+    motion = crank_motion("constant-speed", speed=speed, ramp_time=0.3, hold_time=0.0, start_angle=0.6)
+    shown = {
+        setting: run_of(installed("ondsel"), linkage, motion, setting).acceleration
+        for setting in (Setting.NAIVE, Setting.TUNED)
+    }
+    angle = motion.angle(shown[Setting.NAIVE].time)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    true = 2.0 * height * speed**2 * cosine / sine**3  # of x = height / tan(angle)
+    # The pin is height / sine along the slot; an error across the slot moves the block 1 / sine times as far.
+    slip = 0.5 * sine * (sine - cosine) * speed**2 * (height / sine) / sine
+    block = list(linkage.linkage.links).index("block")
+    assert error_of(shown[Setting.TUNED].values[:, block, 0], true) < 1e-11
+    assert error_of(shown[Setting.NAIVE].values[:, block, 0] - true, slip) < 1e-9
+    assert np.abs(slip).max() > 0.05 * np.abs(true).max()
+
+
+def test_simbodys_forces_of_a_loop_on_moving_bodies_are_those_of_the_closed_form():
+    """Closed between bodies that the crank carries, where Simbody tells forces in the axes of the crank."""
+    linkage = from_text(file_text("dyad-on-the-crank"))
+    assert max(errors_of(run_of(installed("simbody"), linkage, RUN_UP, Setting.TUNED), linkage, RUN_UP).values()) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "motion", "limit"),
+    [
+        # near-toggle: steps of this length must be divided
+        ("near-toggle", RUN_UP, 1e-6),
+        ("rimoldi-164", crank_motion("run-up-quintic", speed=1e5, ramp_time=6e-4, hold_time=1e-4), 1e-8),
+    ],
+)
+def test_in_simbody_sharp_linkages_and_fast_cranks_follow_the_closed_form(name, motion, limit):
+    linkage = mechanism(name)
+    assert torque_error(run_of(installed("simbody"), linkage, motion, Setting.TUNED), linkage, motion) < limit
+
+
+def test_in_simbody_a_mass_on_a_pin_may_carry_another_body():
+    linkage, motion = mechanism("slotted-takeup"), crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0)
+    given = driven(linkage, motion)
+    (on_pin,) = (pin for pin in given.pins if "slot_slider" in (pin.first, pin.second))
+    coupler = next(body for body in given.bodies if body.name == "coupler")
+    anchor = on_pin.second_anchor if on_pin.second == "coupler" else on_pin.first_anchor
+    # A wheel on the same pin, balanced and at rest: the mass on the pin carries it, and it moves as the pin does.
+    cosine, sine = np.cos(coupler.angle), np.sin(coupler.angle)
+    place = tuple(coupler.position + np.array([[cosine, -sine], [sine, cosine]]) @ anchor)
+    slider = next(body for body in given.bodies if body.name == "slot_slider")
+    assert place == pytest.approx(slider.position, abs=1e-12)
+    wheel = dataclasses.replace(slider, name="wheel", mass=0.01, inertia=1e-6, angle=0.2)
+    joint = PinJoint("wheel", "wheel", "slot_slider", (0.0, 0.0), (0.0, 0.0))
+    model = dataclasses.replace(given, bodies=(*given.bodies, wheel), pins=(*given.pins, joint))
+    history = history_of(installed("simbody"), model)
+    names = [*(body.name for body in given.bodies), "wheel"]
+    at = {name: history.position.values[:, names.index(name)] for name in ("wheel", "slot_slider")}
+    np.testing.assert_allclose(at["wheel"][:, :2], at["slot_slider"][:, :2], atol=1e-12)
+    np.testing.assert_allclose(at["wheel"][:, 2], 0.2, atol=1e-6)  # nothing turns it
+    np.testing.assert_allclose(at["slot_slider"][:, 2], slider.angle, atol=1e-12)
+    acceleration = history.acceleration.values[:, names.index("wheel"), :2]
+    weight = acceleration - given.gravity
+    np.testing.assert_allclose(history.joint_force["wheel"].values, 0.01 * weight, atol=1e-8 * np.abs(weight).max())
+
+
+VARIANTS = ("mjx", "mujoco-warp")
+QUANTITIES = {"torque": "Mkr", "position": "S", "velocity": "v", "acceleration": "a"}  # all others are joints
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", VARIANTS)
+@pytest.mark.parametrize("sample", ["four-bar", "quick return", "damper"])  # a hinge is cut; a slot; a tendon
+def test_a_variant_of_mujoco_is_right_within_its_limits(name, sample):
+    history = history_of(installed(name), scene_of(sample))
+    errors = errors_of(history, sample_case(sample).mechanism, sample_case(sample).motion)
+    regime = sample_case(sample).motion.regime
+    bounds = {
+        key: limit(QUANTITIES.get(key.removeprefix("angular "), "joint_force"), "tuned", regime, name).value
+        for key in errors
+    }
+    assert {key: errors[key] for key in errors if errors[key] > bounds[key]} == {}
+    assert {signal.origin for signal in (history.torque, *history.joint_force.values())} == {Origin.READ}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_the_clock_of_a_variant_is_the_last_body_and_the_driven_joint_follows_it(name):
+    adapter = engine(name)
+    given = adapter.model(scene_of("slider-crank"), adapter.settings[Prescribed][Setting.TUNED])
+    root = fromstring(given["xml"])
+    assert root.findall(".//body")[-1].get("name") == "/clock"
+    drive = root.find("equality/joint")
+    assert (drive.get("joint1"), drive.get("joint2"), drive.get("polycoef")) == ("crank", "/clock", "0 1 0 0 0")
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_an_absent_variant_is_unavailable_and_a_free_crank_unsupported(name, monkeypatch):
+    adapter = engine(name)
+    monkeypatch.setitem(sys.modules, adapter.package, None)
+    run = adapter.run(scene_of("four-bar"), Setting.TUNED)
+    assert (run.outcome, f"[{name}]'" in run.reason) == (Outcome.UNAVAILABLE, True)
+    assert "free" in adapter.obstacle(scene_of("released"))
