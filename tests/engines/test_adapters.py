@@ -460,7 +460,7 @@ def test_a_process_does_not_grow_with_the_runs_it_has_made(name):
     assert left < ALLOWED
 
 
-# -- what single engines have of their own ------------------------------------------------------------------------------
+# -- what single engines have of their own -----------------------------------------------------------------------------
 
 
 def test_a_run_with_what_dart_ships_leaves_nothing_to_the_next():

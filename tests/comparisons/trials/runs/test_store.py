@@ -65,7 +65,7 @@ ROWS = st.dictionaries(st.text(), VALUES, max_size=4)
 ANY_CURVES = st.dictionaries(st.text(), arrays(np.float32, st.tuples(st.just(4), st.integers(0, 6))), max_size=3)
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.dictionaries(st.text(), st.tuples(ROWS, ANY_CURVES), max_size=5))
 def test_runs_come_back_to_the_last_bit(written):
     encodable = {"".join(c for c in key if c.isprintable()): value for key, value in written.items()}
