@@ -102,7 +102,7 @@ def compare(
     engine: Engines = (),
     setting: Annotated[
         Sequence[str],
-        Option("naive, tuned, best, or all; repeatable; default: tuned.", "NAME", names="settings"),
+        Option("Engine settings to run: naive, tuned, best or all; default: tuned.", "NAME", names="settings"),
     ] = (),
     quantity: Annotated[
         Sequence[str], Option("Quantity, such as Mkr; repeatable; default: all.", "NAME", names="quantities")

@@ -82,7 +82,7 @@ def watch(
 
 
 study_command(
-    app, "watch", watch, offers={}, summary="Work on a linkage file: its page follows the file, and saves to it."
+    app, "watch", watch, offers={}, summary="Serve an interactive page of a linkage file that follows its changes."
 )
 study_command(
     app, "engines", trials.engines, offers=PRINTED,

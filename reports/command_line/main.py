@@ -40,7 +40,7 @@ def _run_app() -> None:
         _discard(sys.stdout.fileno())
         sys.exit(0)
     except MemoryError:
-        _end_with_sentence("expected more memory, got none that is free; give less at once, or allow more", FAILED)
+        _end_with_sentence("out of memory: run fewer at once, or raise --memory-limit", FAILED)
     except Exception as error:
         _end_badly(error)
     else:

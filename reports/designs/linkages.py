@@ -235,7 +235,7 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
     ]
     beside = (
         "Figures stand to six digits; --json gives them in full. "
-        f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle."
+        f"You can also vary speed, {speed_unit(linkage).name}. Tolerances also accept POINT.length and POINT.angle."
     )
     parts: list[Printed] = [
         Paragraph(conditions, colour="bold"),

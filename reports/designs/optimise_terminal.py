@@ -142,12 +142,12 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
 def _optimality(search: Search) -> Iterator[str]:
     """How near to an optimum the search came."""
     yield (
-        f"Remaining possible improvement (KKT residual): {steady_error(search.residual)}, as a share of the aim over "
-        "the whole of the bounds."
+        f"Optimality (KKT residual, a share of the aim over the whole of the bounds): {steady_error(search.residual)}; "
+        "0 is an exact optimum."
     )
     if search.residual > SETTLED:
         why = "beyond it designs cannot be assembled" if search.descent.beyond else "a figure may have a kink there"
-        yield f"This is no smooth local optimum: the search could go no further, {why}."
+        yield f"The search stopped before reaching a smooth optimum: {why}."
 
 
 def _rounding(optimum: Optimum) -> str:

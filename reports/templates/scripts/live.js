@@ -5,7 +5,7 @@ linkproof.widget("live", async (element, data) => {
   const { make, labelled, choice } = linkproof.controls, SECONDS = 6, STEPS = 1000, EVERY = 4; // frames between read-outs
   const PACES = [[0.1, "× 0.1"], [0.25, "× 0.25"], [0.5, "× 0.5"], [1, "× 1"], [2, "× 2"], [4, "× 4"]];
   const WIDE = 900; // px of a page with the drawing beside the curves
-  const NO_PLACE = "The file has no place for these numbers: write them into it once, and open the page again.";
+  const NO_PLACE = "Cannot save: the file does not set these numbers. Add them to the file and reload.";
   const model = data.isSampled ? linkproof.sampledModel(program, data)
     : linkproof.liveModel(await linkproof.liveProgram(program), data);
   const { motion, length } = data, byName = model.byName;

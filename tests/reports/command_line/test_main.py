@@ -112,7 +112,7 @@ def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
     ("error", "code", "sentence"),
     [
         (TypeError("a slip"), 3, "this is a fault of linkproof: TypeError: a slip (reports/api/"),
-        (MemoryError(), 1, "expected more memory, got none that is free; give less at once, or allow more\n"),
+        (MemoryError(), 1, "out of memory: run fewer at once, or raise --memory-limit\n"),
     ],
 )
 def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, error, code, sentence):
