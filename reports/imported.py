@@ -142,7 +142,7 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     """Where the crank is at the largest error, within a turn where it makes one; of a drive along a line its travel."""
     angle = verdict.worst_angle
     if judgement.model.linkage.is_linear:
-        return judgement.model.linkage.place(angle)
+        return judgement.model.linkage.phi.text(angle)
     degrees = math.degrees(angle)
     makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.time)) > FULL_TURN * (1.0 - NOTHING)
     return within_turn(degrees) if makes_a_turn else f"{fixed(degrees, 1)}°"

@@ -117,7 +117,7 @@ def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: fl
     similar = without(linkage, "thread")
 
     new = {
-        path: value * kind.of_driver(is_linear=linkage.is_linear).size(length, mass, time)
+        path: value * linkage.phi.kind(kind).size(length, mass, time)
         for part in (*NAMED_PARTS, "sketch_angle", "cylinder")
         for path, kind, value in similar.numbers_of(part)
     }

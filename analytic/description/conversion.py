@@ -224,16 +224,13 @@ def _required(reader: Reader, value: float | None, where: str, meaning: str) -> 
 
 
 def _phi_text(reader: Reader, place: float) -> str:
-    """A value of φ, rad or m, for a reader, in the file's unit."""
-    if reader.is_linear:
-        unit = reader.unit(Kind.COORDINATE)
-        return f"{place / unit.size:.10g} {unit.name}"
-    return f"{math.degrees(place):.10g}°"
+    """A value of φ, rad or m, for a reader."""
+    return f"{place / reader.phi.unit.size:.10g}{reader.phi.mark}"
 
 
 def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
     """The motion's largest speed for a reader."""
-    unit = reader.unit(Kind.SPEED)
+    unit = reader.phi.speed_unit
     return f"at most {motion.peak_speed / unit.size:.6g} {unit.name}"
 
 
@@ -316,7 +313,7 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
             "give one of them"
         )
     if table.angle is not None:
-        if reader.is_linear:
+        if reader.phi.is_linear:
             raise reader.fail(
                 f"{where}.angle: expected a force over time of a linear drive, which has no angle, got one over the "
                 "angle; give time = [...]"

@@ -20,10 +20,10 @@ from functools import cached_property
 from html import escape
 from typing import Annotated, Any, ClassVar, Final, Literal
 
-from analytic.description.crank_motion import CrankMotion, degrees
+from analytic.description.crank_motion import RPM, CrankMotion, degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.description.schema import EyeReference, Published
-from analytic.description.units import Kind, factor
+from analytic.description.units import FileUnit, Kind, factor
 from analytic.description.walk import ANGLES, Keys, Number, number_fields, walk
 from analytic.errors import LinkproofError
 
@@ -46,6 +46,62 @@ class DriverKind(StrEnum):
     CRANK = "crank"
     SLIDER = "slider"
     CYLINDER = "cylinder"
+
+
+@dataclass(frozen=True)
+class DriverCoordinate:
+    """φ, in which the linkage moves: the angle of a crank, rad, or the travel or length of what is pushed, m.
+
+    ``unit`` is that in which people give and read it: degrees, or the file's unit of length; likewise ``speed_unit``.
+    """
+
+    driver: DriverKind
+    unit: FileUnit
+    speed_unit: FileUnit
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it is a length, and the drive a force."""
+        return self.driver is not DriverKind.CRANK
+
+    @property
+    def axis(self) -> str:
+        """Its name and unit, for an axis."""
+        return f"{'travel of the drive' if self.is_linear else 'crank angle φ'}, {self.unit.name}"
+
+    @property
+    def effort(self) -> str:
+        """What the drive exerts, in a word."""
+        return "force" if self.is_linear else "torque"
+
+    def kind(self, kind: Kind) -> Kind:
+        """The kind of a number that may be one of the driver."""
+        return kind.of_driver(is_linear=self.is_linear)
+
+    @property
+    def mark(self) -> str:
+        """What follows a number: "°", " mm"."""
+        return f" {self.unit.name}" if self.is_linear else self.unit.name
+
+    def text(self, value: float) -> str:
+        """A value in words: an angle in degrees, within a turn, a length in the unit of the linkage's file."""
+        return f"{value / self.unit.size:z.4g}{self.mark}" if self.is_linear else degrees(value)
+
+    def unwrapped(self, value: float) -> str:
+        """As ``text``, of an angle with its whole turns."""
+        return self.text(value) if self.is_linear else f"{value / self.unit.size:.6g}{self.mark}"
+
+    def named(self, value: float) -> str:
+        """A value in words with its name: "crank angle 30°"."""
+        return f"{f'a {self.driver} at' if self.is_linear else 'crank angle'} {self.text(value)}"
+
+
+def driver_coordinate(driver: DriverKind, length: str) -> DriverCoordinate:
+    """The coordinate of a kind of driver, in a file with this unit of length."""
+    if driver is DriverKind.CRANK:
+        return DriverCoordinate(driver, FileUnit("°", math.radians(1.0)), FileUnit("rpm", RPM))
+    size = factor("length", length)
+    return DriverCoordinate(driver, FileUnit(length, size), FileUnit(f"{length}/s", size))
 
 
 @dataclass(frozen=True)
@@ -391,13 +447,10 @@ class Linkage:
         """Whether φ is a length, m, and the drive a force."""
         return self.driver is not DriverKind.CRANK
 
-    def place(self, coordinate: float) -> str:
-        """A value of φ, rad or m, in words: an angle in degrees, a length in the unit of the linkage's file."""
-        return self.written(coordinate) if self.is_linear else degrees(coordinate)
-
-    def coordinate(self, value: float) -> str:
-        """A value of φ, rad or m, in words with its name: "crank angle 30°"."""
-        return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
+    @cached_property
+    def phi(self) -> DriverCoordinate:
+        """The driver's coordinate."""
+        return driver_coordinate(self.driver, self.units.get("length", "m"))
 
     @property
     def applied(self) -> tuple[PointForce | LinkTorque, ...]:

@@ -14,10 +14,10 @@ import numpy as np
 from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN, Law
-from analytic.description.linkage import GROUND, Vector
-from analytic.description.units import UNITS, Kind, factor
+from analytic.description.linkage import GROUND, DriverCoordinate, DriverKind, Vector, driver_coordinate
+from analytic.description.units import UNITS, FileUnit, Kind, factor
 from analytic.description.walk import Keys, unit_vector, walk, with_values
-from analytic.description.written import FileUnit, kind_unit
+from analytic.description.written import kind_unit
 from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
@@ -28,14 +28,11 @@ LEAST_STEP: Final = 1e-6  # rad between the angles of a law: nearer ones are one
 
 @dataclass(frozen=True)
 class Reader:
-    """A document with all its numbers in SI; ``is_linear``: whether its driver is pushed along a line.
-
-    The coordinate φ of such a driver is a length and its drive a force.
-    """
+    """A document with all its numbers in SI, and its driver's coordinate."""
 
     document: doc.Document
     source: Source
-    is_linear: bool
+    phi: DriverCoordinate
 
     def fail(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
@@ -43,7 +40,7 @@ class Reader:
 
     def unit(self, kind: Kind) -> FileUnit:
         """The file's unit for a kind of number."""
-        return kind_unit(kind.of_driver(is_linear=self.is_linear), self.units)
+        return kind_unit(self.phi.kind(kind), self.units)
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -114,14 +111,16 @@ def position(place: doc.Place) -> Vector:
 
 def reader_of(document: doc.Document, source: Source) -> Reader:
     """A reader of the document; raises DescriptionError for an unknown unit, or a number too large or too small."""
-    for kind in UNITS:
+    for name in UNITS:
         try:
-            factor(kind, getattr(document.units, kind))
+            factor(name, getattr(document.units, name))
         except UnknownNameError as error:
-            raise DescriptionError(source.place(f"units.{kind}: {error}")) from error
+            raise DescriptionError(source.place(f"units.{name}: {error}")) from error
     driver = document.links.get(document.crank)
     slides = driver is not None and driver.slides is not None and driver.slides.on == GROUND
-    reader = Reader(document, source, slides or document.cylinder is not None)
+    pushed = DriverKind.SLIDER if slides else DriverKind.CRANK
+    kind = pushed if document.cylinder is None else DriverKind.CYLINDER
+    reader = Reader(document, source, driver_coordinate(kind, document.units.length))
     return replace(reader, document=with_values(document, _si_values(reader)))
 
 
@@ -153,9 +152,11 @@ def interpolated_law(
 ) -> Law:
     """The law of a force or torque, by a spline or by straight lines as the table says."""
     is_over_travel = table.over == "S"
-    if (is_over_travel or table.when) and (reader.is_linear or reader.document.output is None):
+    if (is_over_travel or table.when) and (reader.phi.is_linear or reader.document.output is None):
         key = "over" if is_over_travel else "when"
-        cure = "give the load over the driver's travel, with angle" if reader.is_linear else "add output = { point }"
+        cure = (
+            "give the load over the driver's travel, with angle" if reader.phi.is_linear else "add output = { point }"
+        )
         raise reader.fail(
             f"{where}.{key}: expected an output that a turning crank moves, whose travel and direction are meant, got "
             f"none; {cure}"
@@ -175,7 +176,7 @@ def interpolated_law(
 
 def _period(reader: Reader, table: doc.LoadTable, where: str) -> float | None:
     """The period of a load's table, rad: of one turn or two; None over a travel."""
-    if reader.is_linear or table.over == "S":
+    if reader.phi.is_linear or table.over == "S":
         if table.period is not None:
             raise reader.fail(f"{where}.period: expected no period of a load over a travel; leave it out")
         return None

@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from analytic.errors import UnknownNameError
 
@@ -82,6 +82,18 @@ MEASURED: Final[Mapping[str, tuple[Kind, str]]] = {
     if kind in UNITS
     for rate in (("", "/s", "/s^2") if kind in (Kind.LENGTH, Kind.ANGLE) else ("",))
 }
+
+
+class FileUnit(NamedTuple):
+    """A unit as it is written in files, and its size in SI."""
+
+    name: str
+    size: float
+
+    @property
+    def on_page(self) -> str:
+        """The unit as a page prints it: "N mm", "mm/s²"."""
+        return self.name.replace("*", " ").replace("^2", "²")
 
 
 def factor(kind: str, unit: str) -> float:

@@ -7,26 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
-from analytic.description.units import MEASURED, UNITS, Kind, factor
-
-
-class FileUnit(NamedTuple):
-    """A unit as it is written in files, and its size in SI."""
-
-    name: str
-    size: float
-
-    @property
-    def on_page(self) -> str:
-        """The unit as a page prints it: "N mm", "mm/s²"."""
-        return self.name.replace("*", " ").replace("^2", "²")
+from analytic.description.units import MEASURED, UNITS, FileUnit, Kind, factor
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.description.units import factor
 from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened, symbol
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MAGNITUDE, THREAD_FEED, names_with_magnitudes, table
@@ -242,4 +241,4 @@ def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[
         return math.nan, number
     if measure == "rad":
         return number, math.nan
-    return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), math.nan
+    return number * linkage.phi.unit.size, math.nan

@@ -166,6 +166,6 @@ def _check(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
     elif not np.all(is_solved):
         place = float(np.ravel(sweep.angle)[np.argmin(np.ravel(is_solved))])
         raise LinkproofError(
-            f"'{sweep.linkage.name}' is self-locking at {sweep.linkage.coordinate(place)}: with the friction of its "
+            f"'{sweep.linkage.name}' is self-locking at {sweep.linkage.phi.named(place)}: with the friction of its "
             "joints no drive moves it there; lower the coefficients or the radii, or improve the transmission angle"
         )

@@ -132,7 +132,7 @@ def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain o
 
 def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
     """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
-    total = gravity_force(sweep)
+    total: Array = gravity_force(sweep)
     for _, part in load_forces(sweep, speed):
         total += part
     return total
@@ -159,7 +159,7 @@ def potential_energy(sweep: Sweep) -> Array:
         for name, body in linkage.links.items():
             if body.mass:
                 total -= body.mass * _product_with_constant(linkage.gravity, sweep.centre(name))
-    return total + stored_energy(sweep)
+    return np.asarray(total + stored_energy(sweep))
 
 
 def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:

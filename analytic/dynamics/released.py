@@ -186,7 +186,7 @@ def _integrate_windows(
         gauss_scheme(nodes),
         tolerance=tolerance,
         rounding=rounding,
-        place=linkage.coordinate,
+        place=linkage.phi.named,
         period=equation.period,
         **equation.timing,
     )

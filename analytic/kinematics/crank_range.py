@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import CylinderDrive, Linkage
+from analytic.description.linkage import CylinderDrive, DriverCoordinate, Linkage
 from analytic.errors import AssemblyError
 from analytic.kinematics.branch import Windows
 from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
@@ -50,17 +49,12 @@ class Toggle:
         return f"{self.dyad.name}: {self.reason}" if self.dyad else self.reason
 
 
-def in_degrees(angle: float) -> str:
-    """An angle, rad, for a reader."""
-    return f"{math.degrees(angle):.6g}°"
-
-
 @dataclass(frozen=True)
 class CrankRange:
     """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
 
     Of a driver that is pushed they are travels or lengths, m, and an end is None where nothing limits it within
-    ``reach`` of the start. ``place`` writes a value for a reader.
+    ``reach`` of the start.
     ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them.
     """
 
@@ -68,19 +62,18 @@ class CrankRange:
     low: Toggle | None
     high: Toggle | None
     change_points: tuple[Toggle, ...]
-    reach: float = FULL_TURN
-    place: Callable[[float], str] = in_degrees
-    is_linear: bool = False
+    phi: DriverCoordinate
+    reach: float
 
     @property
     def is_full_turn(self) -> bool:
         """Whether the driver is a crank without limits."""
-        return self.low is None and not self.is_linear
+        return self.low is None and not self.phi.is_linear
 
     @property
     def limits(self) -> tuple[float, float]:
         """The lowest and the highest crank angle, rad; of a full turn, the turn that begins at ``start``."""
-        if self.is_linear:
+        if self.phi.is_linear:
             low = self.start - self.reach if self.low is None else self.low.angle
             return low, self.start + self.reach if self.high is None else self.high.angle
         if self.low is None or self.high is None:
@@ -94,11 +87,12 @@ class CrankRange:
         low, high = self.limits
         if min(first, last) < low or max(first, last) > high:
             limit = self.low if min(first, last) < low else self.high
-            cause = f"at {self.place(limit.angle)} {limit.sentence}" if limit else "farther it is not followed"
-            driver = "drive" if self.is_linear else "crank"
+            place = self.phi.unwrapped
+            cause = f"at {place(limit.angle)} {limit.sentence}" if limit else "farther it is not followed"
+            driver = "drive" if self.phi.is_linear else "crank"
             raise AssemblyError(
-                f"'{linkage}' cannot be moved from {self.place(first)} to {self.place(last)}: its {driver} reaches "
-                f"{self.place(low)} to {self.place(high)} ({cause}); stay within, "
+                f"'{linkage}' cannot be moved from {place(first)} to {place(last)}: its {driver} reaches "
+                f"{place(low)} to {place(high)} ({cause}); stay within, "
                 "with --from and --to or a regime of its file"
             )
 
@@ -119,8 +113,7 @@ def crank_range(
     changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
         low, high = _cylinder_ends(linkage.cylinder, low, high)
-        return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
-    return CrankRange(search.start, low, high, changes)
+    return CrankRange(search.start, low, high, changes, linkage.phi, FULL_TURN * search.radian)
 
 
 def _cylinder_ends(

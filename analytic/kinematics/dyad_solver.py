@@ -36,8 +36,7 @@ class DyadSolver:
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
         self.form: Any = FORMS[dyad.kind](dyad, self.sign, angle)
         self.hosts = (dyad.joints[0].near, dyad.joints[-1].near)
-        self.link_poses: tuple[Pose, ...]
-        self.link_rates: tuple[Rate, ...]
+        self.link_poses: tuple[Pose, ...]  # of both sides; of the driving cylinder, which is no link, None
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
         """Poses of the links; nan where the links do not meet."""
@@ -45,7 +44,7 @@ class DyadSolver:
             pair = self.form.poses(self._of_hosts(poses))
             self.moves = self._moves()
         self.link_poses = self._through_change_points(0, pair)
-        return self.link_poses
+        return _of_links(self.link_poses)
 
     def _of_hosts(self, known: Mapping[str, Any]) -> tuple[Any, Any]:
         first, second = self.hosts
@@ -69,14 +68,17 @@ class DyadSolver:
         """First derivatives over φ; the poses must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.rates(self._of_hosts(rates), self.link_poses)
-        self.link_rates = self._through_change_points(1, pair)
-        return self.link_rates
+        return _of_links(self._through_change_points(1, pair))
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
         """Second derivatives over φ; the rates must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses, self.link_rates)
-        return self._through_change_points(2, pair)
+            pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses)
+        return _of_links(self._through_change_points(2, pair))
+
+
+def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(part for part in sides if part is not None)
 
 
 # Whether a dyad can be assembled at every given crank angle, and whether it can move there.
@@ -92,14 +94,14 @@ def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Ar
         margin = np.broadcast_to(solver.margin(), angle.shape)
         worst = int(np.argmin(np.where(solver.moves, np.inf, np.minimum(margin, 0.0))))
         raise AssemblyError(
-            f"'{linkage.name}' cannot be assembled at {linkage.place(_at(angle, angle, worst))}: "
+            f"'{linkage.name}' cannot be assembled at {linkage.phi.text(_at(angle, angle, worst))}: "
             f"{solver.assembly_fault(linkage)}"
         )
     severity = _severity(solver)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
         fault, detail = solver.form.fault(lambda value: _at(value, angle, worst), linkage.written)
-        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
+        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.phi.text(_at(angle, angle, worst))}: {detail}")
 
 
 def mark_unassembled(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
@@ -119,7 +121,8 @@ def _severity(solver: DyadSolver) -> Scalar:
     with np.errstate(invalid="ignore"):
         missing, lengths = solver.form.reach_margin()
         short = np.minimum(missing + ROUNDING * lengths, 0.0)
-    undefined = ~(np.isfinite(solver.link_poses[0][0]) & np.isfinite(solver.link_poses[0][2]))
+    pose = _of_links(solver.link_poses)[0]
+    undefined = ~(np.isfinite(pose[0]) & np.isfinite(pose[2]))
     return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
 
 
@@ -131,7 +134,7 @@ def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Arra
     if np.all(solver.moves) or isinstance(solver, GroupSolver):
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad, where = solver.dyad, linkage.place(_at(angle, angle, first))
+    dyad, where = solver.dyad, linkage.phi.text(_at(angle, angle, first))
     stand = "stand" if len(dyad.links) > 1 else "and its cylinder stand"
     raise AssemblyError(
         f"'{linkage.name}': {dyad.words} {stand} in a dead position at {where}, "

@@ -81,16 +81,20 @@ class Rod:
         self.x = x
         return frames.rate_through(link, self.base_rate, x, self.far)
 
-    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+    @property
+    def turning(self) -> Scalar:
+        """First derivative of the link's angle."""
+        return self.x
+
+    def carried_twice(self, host: Rate, point: Pair) -> Pair:
         """Second derivative of the point that counts without x': A'' − θ'² r."""
-        self.turning = turning
         self.base_second = frames.point_acceleration(self.host, self.host_rate, host, self.near)
-        square = turning * turning
+        square = self.x * self.x
         return (self.base_second[0] - square * self.r[0], self.base_second[1] - square * self.r[1])
 
     def second(self, link: Pose, slope: Scalar) -> Rate:
         """Second derivative of the link's pose; ``slope`` is x'."""
-        return frames.acceleration_through(link, self.base_second, self.turning, slope, self.far)
+        return frames.acceleration_through(link, self.base_second, self.x, slope, self.far)
 
 
 class Rail:
@@ -126,7 +130,12 @@ class Rail:
         origin = frames.carried_rate(self.host, self.host_rate, (link[0], link[1]))
         return (*frames.point_along(origin, x, self.e), self.host_rate[2])
 
-    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+    @property
+    def turning(self) -> Scalar:
+        """First derivative of the link's angle, which is its host's."""
+        return self.host_rate[2]
+
+    def carried_twice(self, host: Rate, point: Pair) -> Pair:
         """Second derivative of the host's point that is just now here, with the Coriolis term of the travel."""
         self.host_second = host
         carried = frames.carried_acceleration(self.host, self.host_rate, host, point)
@@ -136,12 +145,12 @@ class Rail:
 
     def second(self, link: Pose, slope: Scalar) -> Rate:
         """Second derivative of the link's pose; ``slope`` is x'."""
-        origin = self.carried_twice(self.host_second, (link[0], link[1]), self.host_rate[2])
+        origin = self.carried_twice(self.host_second, (link[0], link[1]))
         return (*frames.point_along(origin, slope, self.e), self.host_second[2])
 
 
 class Strut(Rod):
-    """The driving cylinder: a rod of the length φ, which turns about its near end and is no link of the group."""
+    """The driving cylinder: a rod of the length φ, which turns about its near end and is no link, so has no pose."""
 
     def __init__(self, cylinder: DrivenDistance, length: Scalar) -> None:
         self.near, self.length = cylinder.near_local, length
@@ -162,9 +171,9 @@ class Strut(Rod):
         """Note its turning."""
         self.x = x
 
-    def carried_twice(self, host: Rate, point: Pair, turning: Scalar) -> Pair:
+    def carried_twice(self, host: Rate, point: Pair) -> Pair:
         """Second derivative of its far end without x', with the Coriolis term of the growing length."""
-        return frames.plus(super().carried_twice(host, point, self.x), frames.coriolis(self.x, 1.0, self.u))
+        return frames.plus(super().carried_twice(host, point), frames.coriolis(self.x, 1.0, self.u))
 
     def second(self, link: None, slope: Scalar) -> None:  # type: ignore[override]
         """Nothing follows."""
@@ -262,10 +271,9 @@ class _PinDyad(_DyadForm):
         )
         return first, second
 
-    def seconds(self, hosts: Rates, links: Poses, rates: Rates) -> Rates:
+    def seconds(self, hosts: Rates, links: Poses) -> Rates:
         """Second derivatives of the links' poses from those of the hosts."""
-        sides = zip(self.sides, hosts, rates, strict=True)
-        carried = [side.carried_twice(host, self.pin, rate[2]) for side, host, rate in sides]
+        carried = [side.carried_twice(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         first, second = self.sides
         slope, other = self._solved(carried)
         return first.second(links[0], slope), second.second(links[1], other)
@@ -474,11 +482,11 @@ class _SlideDyad(_DyadForm):
         second = self.side.rate(links[1], frames.cross(self.f, gap) * self.scale)
         return frames.rate_through(links[0], moved, second[2], self.far), second
 
-    def seconds(self, hosts: Rates, links: Poses, rates: Rates) -> Rates:
+    def seconds(self, hosts: Rates, links: Poses) -> Rates:
         """Second derivatives of the links' poses from those of the hosts, with the Coriolis term of the travel."""
-        turning = rates[1][2]
+        turning = self.side.turning
         moved = frames.point_acceleration(self.host, self.host_rate, hosts[0], self.near)
-        carried = self.side.carried_twice(hosts[1], self.pin, turning)
+        carried = self.side.carried_twice(hosts[1], self.pin)
         gap = frames.minus(frames.minus(moved, carried), frames.coriolis(turning, self.travel, self.f))
         second = self.side.second(links[1], frames.cross(self.f, gap) * self.scale)
         return frames.acceleration_through(links[0], moved, turning, second[2], self.far), second
@@ -578,24 +586,6 @@ class RPP(_SlideDyad):
 class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
 
-    own = 0  # the number of the link's side
-
-    def poses(self, hosts: Poses) -> tuple[Pose]:  # type: ignore[override]
-        """Pose of the link."""
-        return (super().poses(hosts)[self.own],)
-
-    def rates(self, hosts: Rates, links: tuple[Pose]) -> tuple[Rate]:  # type: ignore[override]
-        """First derivative of the link's pose."""
-        return (super().rates(hosts, links * 2)[self.own],)
-
-    def seconds(self, hosts: Rates, links: tuple[Pose], rates: tuple[Rate]) -> tuple[Rate]:  # type: ignore[override]
-        """Second derivative of the link's pose."""
-        return (super().seconds(hosts, links * 2, rates * 2)[self.own],)
-
-    def columns(self, links: tuple[Pose]) -> tuple[Pair, Pair]:  # type: ignore[override]
-        """Directions across the arm, or along the slide, and across the cylinder."""
-        return super().columns(links * 2)
-
     def fault(self, at: At, written: Written) -> Shortfall:
         """The cylinder is too short or too long for the link."""
         length, link = at(self.coordinate), self.dyad.first
@@ -613,8 +603,6 @@ class TurnedLink(_DrivenForm, RRR):
 
 class PushedLink(_DrivenForm, RRP):
     """A link on a slide: the cylinder's far end is where the circle about its near end crosses a line."""
-
-    own = 1
 
     def make_sides(self) -> tuple[Any, Any]:
         """The cylinder, and the slide."""

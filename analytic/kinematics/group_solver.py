@@ -272,7 +272,7 @@ class GroupSolver:
         """The reason, in a sentence, why the links do not meet at some φ."""
         names = ", ".join(f"'{name}'" for name in self.dyad.links)
         s = "" if len(self.dyad.links) > 1 else "s"
-        low, high = (linkage.place(end) for end in self.branch.ends)
+        low, high = (linkage.phi.text(end) for end in self.branch.ends)
         if self.branch.strays:
             return (
                 f"a turn of the driver takes {names} into another configuration, and one turn to either side of the "
@@ -311,7 +311,7 @@ def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group
     names = ", ".join(f"'{name}'" for name in group.links)
     if not len(groups):
         raise AssemblyError(
-            f"'{linkage.name}': {names} cannot be assembled at {linkage.place(at)} from the sketch; check the "
+            f"'{linkage.name}': {names} cannot be assembled at {linkage.phi.text(at)} from the sketch; check the "
             f"lengths, or place {', '.join(sorted(_point_names(points)))} under [sketch.points], nearer to where "
             "they belong"
         )
@@ -322,7 +322,7 @@ def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group
         telling = [point for point in telling if point not in linkage.sketch] or telling
         raise StructureError(
             f"sketch of '{linkage.name}': expected the rough position of {' or '.join(map(repr, telling))} at "
-            f"{linkage.coordinate(at)}, got a sketch that leaves open which of {len(groups)} configurations "
+            f"{linkage.phi.named(at)}, got a sketch that leaves open which of {len(groups)} configurations "
             f"{names} have; place it under [sketch.points], nearer to one of them"
         )
     return np.asarray(groups[nearest_root])

@@ -238,6 +238,6 @@ def _ambiguous_sketch(linkage: Linkage, dyad: ClosedGroup, telling: Sequence[str
         cure = "name a further point on one of them, and place it in [sketch]"
     verb = "are" if len(dyad.links) > 1 else "is"
     return (
-        f"sketch of '{linkage.name}': expected {needed} at {linkage.coordinate(linkage.sketch_angle)}, got a "
+        f"sketch of '{linkage.name}': expected {needed} at {linkage.phi.named(linkage.sketch_angle)}, got a "
         f"sketch that leaves open how {dyad.words} {verb} assembled; {cure}"
     )

@@ -14,7 +14,8 @@ from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, PrescribedRegime, ReleasedRegime, ThreadGuide
 from analytic.description.loading import parse
-from analytic.description.written import FileUnit, file_unit, finite
+from analytic.description.units import FileUnit
+from analytic.description.written import file_unit, finite
 from analytic.dynamics import reduced
 from analytic.dynamics.reduced import equilibria
 from analytic.dynamics.released import FreeMotion, Rotation, energy_imbalance, last_turns, steady_state
@@ -108,7 +109,7 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bool = False) -> CrankMotion:
     """A swing over a range, short of its limits, at ``speed``, rad/s; of a drive along a line, in a second."""
     first, last = inset_ends(reach, backwards=backwards)
-    fastest = abs(last - first) if reach.is_linear else speed
+    fastest = abs(last - first) if reach.phi.is_linear else speed
     return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
 
 

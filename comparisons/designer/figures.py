@@ -96,7 +96,7 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
         return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
 
-    force = "force" if curves.linkage.is_linear else "torque"
+    force = curves.linkage.phi.effort
     places = curves.places(DRIVE)
     if not curves.instants.is_steady:
         places[PEAK_SPEED] = _peak_speed_time(curves)

@@ -351,7 +351,7 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
     return {
         "is_full_turn": reach.is_full_turn,
-        "is_linear": reach.is_linear,
+        "is_linear": reach.phi.is_linear,
         "low": low,
         "high": high,
         "low_limit": toggle(reach.low),
@@ -359,12 +359,12 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
         "change_points": [
             {
                 "at": change_point.angle,
-                "where": mechanism.linkage.place(change_point.angle),
+                "where": mechanism.linkage.phi.text(change_point.angle),
                 "how": change_point.sentence,
             }
             for change_point in reach.change_points
         ],
-        "words": [reach.place(low), reach.place(high)],
+        "words": [reach.phi.unwrapped(low), reach.phi.unwrapped(high)],
     }
 
 
@@ -391,7 +391,7 @@ def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Close
     sampled = angles(grid)
     heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
     good = [[] for _ in dyads] if reach.is_full_turn else good_stretches(angles, grid, sampled)
-    place = mechanism.linkage.place if reach.is_full_turn else reach.place
+    place = reach.phi.text if reach.is_full_turn else reach.phi.unwrapped
     table: Facts = {}
     for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
         words = {"where": place(at), "good_from_to": [place(end) for end in ends]}

@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.written import file_unit
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import AnyGroup, ClosedGroup
@@ -123,7 +122,7 @@ def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
     reach = _range_around(mechanism, ends[0].place)
     places: dict[str, list[str]] = {}
     for end in ends:
-        places.setdefault(end.limit.sentence, []).append(reach.place(end.limit.angle))
+        places.setdefault(end.limit.sentence, []).append(reach.phi.unwrapped(end.limit.angle))
     towards = " and towards ".join(f"{' and '.join(limits)} ({words})" for words, limits in places.items())
     return f"forces and speeds grow without bound towards {towards}; {_cure(mechanism, reach)}"
 
@@ -131,8 +130,7 @@ def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
 def _cure(mechanism: Mechanism, reach: CrankRange) -> str:
     """The options that keep a motion to the part where no group binds, in round numbers."""
     part = good_part(mechanism, reach)
-    linkage = mechanism.linkage
-    size = file_unit("m", linkage).size if linkage.is_linear else math.radians(1.0)
+    size = mechanism.linkage.phi.unit.size
     if part:
         low, high = part[0] / size, part[1] / size
         step = 10.0 ** math.floor(math.log10((high - low) / 20.0))

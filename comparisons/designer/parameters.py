@@ -17,8 +17,8 @@ from analytic.description.changes import numbers as numbers_of
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import DESIGN, parse, rewritten
-from analytic.description.units import UNITS, Kind, factor
-from analytic.description.written import FileUnit, file_unit, kind_unit
+from analytic.description.units import UNITS, FileUnit, Kind, factor
+from analytic.description.written import file_unit, kind_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
 from analytic.designs.results import design_figures
@@ -107,7 +107,7 @@ def parameters(linkage: Linkage) -> dict[str, Parameter]:
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
     """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
     if name == SPEED:
-        return Parameter(SPEED, speed_unit(linkage), Kind.SPEED, abs(speed))
+        return Parameter(SPEED, linkage.phi.speed_unit, Kind.SPEED, abs(speed))
     known = parameters(linkage)
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
@@ -120,11 +120,6 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""
     return ", masses scaled with lengths" if linkage.scales_mass else ", masses as in the file"
-
-
-def speed_unit(linkage: Linkage) -> FileUnit:
-    """The unit of the driver's speed: rpm, or the file's unit of length per second."""
-    return kind_unit(Kind.SPEED.of_driver(is_linear=linkage.is_linear), linkage.units)
 
 
 # The linkage file of a design: other numbers, the same assembly modes as the original.
@@ -288,8 +283,9 @@ class SteadyCase:
             if abs((moved - own + math.pi) % FULL_TURN - math.pi) > DEAD_CENTRE_MOVES:
                 stay = "stays at its crank angles" if len(loads) == 1 else "stay at their crank angles"
                 return (
-                    f"the {' and the '.join(loads)} {stay} while the top dead centre moves from {linkage.place(own)} "
-                    f"to {linkage.place(moved)}: where the load belongs to the stroke, give it over = 'S' in the file"
+                    f"the {' and the '.join(loads)} {stay} while the top dead centre moves from "
+                    f"{linkage.phi.text(own)} to {linkage.phi.text(moved)}: where the load belongs to the stroke, give "
+                    "it over = 'S' in the file"
                 )
         return ""
 

@@ -14,10 +14,11 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import RPM, CrankMotion
+from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.description.written import FileUnit, file_unit
+from analytic.description.units import FileUnit
+from analytic.description.written import file_unit
 from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.designer.curves import DIRECTION, TIME, SignalFigure
@@ -142,9 +143,7 @@ class Sheet:
 
     def unit_of(self, figure: SignalFigure) -> FileUnit:
         """The unit of a key figure: the file's, and rpm of a crank's speed."""
-        return (
-            FileUnit("rpm", RPM) if figure.signal == "omega" and not self.is_linear else self.file_unit_of(figure.unit)
-        )
+        return self.linkage.phi.speed_unit if figure.signal == "omega" else self.file_unit_of(figure.unit)
 
     def shown_value(self, figure: SignalFigure) -> float:
         """The value of a key figure in its unit, see ``unit_of``; nan where it has no bound."""

@@ -32,8 +32,7 @@ from analytic.description.diagnosis import Source
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse_document, read_source
 from analytic.description.schema import Finite, TomlTable
-from analytic.description.units import Kind, factor
-from analytic.description.written import FileUnit
+from analytic.description.units import FileUnit, Kind, factor
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.designer.parameters import (

@@ -172,8 +172,6 @@ def evaluate(
     """
     import numpy as np
 
-    from analytic.description.crank_motion import RPM
-    from analytic.description.units import factor
     from analytic.kinematics.mechanism import Mechanism
     from reports.api.linkages import load_linkage
     from reports.designs.labels import evaluated, evaluated_designs
@@ -182,7 +180,7 @@ def evaluate(
     angle = np.atleast_1d(np.asarray(phi, dtype=float))
     if angle.ndim != 1 or not angle.size:
         raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
-    size = factor("length", mechanism.linkage.units.get("length", "m")) if mechanism.linkage.is_linear else RPM
+    size = mechanism.linkage.phi.speed_unit.size
     moves = {"acceleration": acceleration, "speed": None if speed is None else np.asarray(speed, dtype=float) * size}
     names = None if quantities is None else [*map(symbol, words(quantities))]
     if designs is None:

@@ -32,7 +32,6 @@ from analytic.description.crank_motion import (
 )
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
-from analytic.description.written import file_unit
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import STEADY, range_motion
@@ -104,9 +103,7 @@ def requested_results(
     case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
     linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
     if at is not None:
-        length = file_unit("m", linkage)
-        unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
-        return RequestedResults(case, instants.times_of_angles(np.array(at), unit, size))
+        return RequestedResults(case, instants.times_of_angles(np.array(at), linkage.phi.mark, linkage.phi.unit.size))
     return RequestedResults(case, None if time is None else instants.checked_times(np.array(time)))
 
 

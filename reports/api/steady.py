@@ -28,7 +28,6 @@ from comparisons.designer.parameters import (
     mass_words,
     named_figures,
     parameter,
-    speed_unit,
 )
 from comparisons.designer.sweep import (
     MOST,
@@ -179,6 +178,6 @@ def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
     """The options by which ``compare`` checks the best design under the same motion; its file has one variant."""
     same = replace(motion.motion, variant=None)
     if SPEED in best.after:
-        unit = speed_unit(best.problem.case.linkage)
+        unit = best.problem.case.linkage.phi.speed_unit
         same = replace(same, speed=math.copysign(float(f"{best.after[SPEED] / unit.size:.15g}"), same.rpm))
     return tuple(option_words(same))

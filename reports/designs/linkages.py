@@ -25,7 +25,7 @@ from comparisons.designer.curves import Curves
 from comparisons.designer.figures import case_figures
 from comparisons.designer.linkage_check import check_slips
 from comparisons.designer.open_ends import BINDS
-from comparisons.designer.parameters import named_figures, parameters, speed_unit
+from comparisons.designer.parameters import named_figures, parameters
 from comparisons.motion.case import Case
 from comparisons.trials.runs.files import check_writable, write_file
 from reports.designs.shelves import Listing
@@ -235,7 +235,7 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
     ]
     beside = (
         "Figures stand to six digits; --json gives them in full. "
-        f"You can also vary speed, {speed_unit(linkage).name}. Tolerances also accept POINT.length and POINT.angle."
+        f"You can also vary speed, {linkage.phi.speed_unit.name}. Tolerances also accept POINT.length and POINT.angle."
     )
     parts: list[Printed] = [
         Paragraph(conditions, colour="bold"),

@@ -252,8 +252,7 @@ def before_after_figure(optimum: Optimum, conditions: str) -> Figure:
     names = sorted(curves, key=lambda name: name != "Mkr")
     more = [f"The first {MOST} of {len(names)} signals are drawn."] if len(names) > MOST else []
     linkage, maxima = optimum.problem.case.linkage, optimum.problem.maxima
-    length = file_unit("m", linkage)
-    places = maxima.grid / length.size if linkage.is_linear else np.degrees(maxima.grid)
+    places = maxima.grid / linkage.phi.unit.size
     looks = {"before": (draw.MUTED, "--"), "after": (draw.PALETTE[0], "-")}
 
     def place(figure_: Figure) -> None:
@@ -269,7 +268,7 @@ def before_after_figure(optimum: Optimum, conditions: str) -> Figure:
             title = f"{name.removesuffix(MAGNITUDE)}: peak {' → '.join(peaks)} {unit.name}".rstrip()
             axes.set_title(printable(title))
             draw.finish(axes, "", printable(unit.name), turn=maxima.case.is_full_turn)
-        grid[-1].set_xlabel(f"travel of the drive, {length.name}" if linkage.is_linear else "crank angle φ, °")
+        grid[-1].set_xlabel(linkage.phi.axis)
         host.legend(*grid[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
 
     return draw.drawn(draw.FULL_WIDTH, PANEL * min(len(names), MOST) + FRAME, place)

@@ -70,7 +70,7 @@ def _everything(sheet: Sheet) -> Figure:
 def _title(sheet: Sheet, name: str) -> str:
     """Name of a curve, its peak, and the place of the peak."""
     peak = sheet.peaks[name]
-    what = "force" if name == "Mkr" and sheet.is_linear else CURVES[name]
+    what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
 
 

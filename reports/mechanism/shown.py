@@ -8,7 +8,8 @@ from dataclasses import replace
 from itertools import groupby
 from typing import Final
 
-from analytic.description.written import FileUnit, fixed
+from analytic.description.units import FileUnit
+from analytic.description.written import fixed
 from comparisons.designer.curves import TIME, SignalFigure
 from comparisons.designer.figures import MEAN, PEAK_SPEED, SHAKING
 from comparisons.designer.linkage_check import warnings

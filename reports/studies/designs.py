@@ -15,7 +15,7 @@ from analytic.description.changes import SPEED
 from analytic.errors import LinkproofError
 from comparisons.designer.linkage_check import warnings
 from comparisons.designer.optimisation import Optimum
-from comparisons.designer.parameters import design_file, speed_unit
+from comparisons.designer.parameters import design_file
 from comparisons.designer.sweep import SweepStudy, reason_not_assembled
 from comparisons.designer.tolerances import ToleranceStudy
 from reports.designs import optimise_terminal, sweep_terminal, tolerance_terminal
@@ -153,7 +153,7 @@ class Optimisation(Study):
     def _speed_note(self) -> Sequence[str]:
         if SPEED not in self.best.after:
             return ()
-        unit = speed_unit(self.best.problem.case.linkage)
+        unit = self.best.problem.case.linkage.phi.speed_unit
         speed = float(f"{self.best.after[SPEED] / unit.size:.15g}")
         return [f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file has no speed."]
 
