@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.branch import Windows
-from analytic.kinematics.dyads import FORMS, ROUNDING
+from analytic.kinematics.dyads import FORMS, ROUNDING, At, Shortfall
 from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import ClosedGroup
@@ -76,6 +76,20 @@ class DyadSolver:
             pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses)
         return _of_links(self._through_change_points(2, pair))
 
+    def severity(self) -> Scalar:
+        """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
+        with np.errstate(invalid="ignore"):
+            missing, lengths = self.form.reach_margin()
+            short = np.minimum(missing + ROUNDING * lengths, 0.0)
+        pose = _of_links(self.link_poses)[0]
+        undefined = ~(np.isfinite(pose[0]) & np.isfinite(pose[2]))
+        return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
+
+    def fault(self, at: At, linkage: Linkage) -> Shortfall:
+        """Why the links do not meet, at the value of φ of which ``at`` picks numbers."""
+        shortfall: Shortfall = self.form.fault(at, linkage.written)
+        return shortfall
+
 
 def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(part for part in sides if part is not None)
@@ -84,54 +98,38 @@ def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
 # Whether a dyad can be assembled at every given crank angle, and whether it can move there.
 
 
-def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:
-    """Raise AssemblyError at the worst crank angle if the group's links do not meet somewhere; poses must be known."""
+def check_assembly(
+    linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array, faults: Booleans | None = None
+) -> None:
+    """Raise AssemblyError at the worst crank angle if the group's links do not meet somewhere; poses must be known.
+
+    With ``faults``, of the angles' shape, these are set True there instead.
+    """
     if np.all(solver.moves):  # else a longer look: a dead position is no fault of assembly
+        return
+    severity = solver.severity()
+    if faults is not None:
+        faults |= severity < 0.0
         return
     if not np.all(np.isfinite(angle)):
         raise LinkproofError("crank angle: expected finite numbers, got nan or infinity; correct them")
-    if isinstance(solver, GroupSolver):
-        margin = np.broadcast_to(solver.margin(), angle.shape)
-        worst = int(np.argmin(np.where(solver.moves, np.inf, np.minimum(margin, 0.0))))
-        raise AssemblyError(
-            f"'{linkage.name}' cannot be assembled at {linkage.phi.text(_at(angle, angle, worst))}: "
-            f"{solver.assembly_fault(linkage)}"
-        )
-    severity = _severity(solver)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
-        fault, detail = solver.form.fault(lambda value: _at(value, angle, worst), linkage.written)
+        fault, detail = solver.fault(lambda value: _at(value, angle, worst), linkage)
         raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.phi.text(_at(angle, angle, worst))}: {detail}")
 
 
-def mark_unassembled(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
-    """Set ``faults`` (of the angles' shape) where ``check_assembly`` would raise."""
-    if not np.all(solver.moves):
-        faults |= ~solver.moves if isinstance(solver, GroupSolver) else _severity(solver) < 0.0
-
-
-def mark_stuck(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
-    """Set ``faults`` (of the angles' shape) where ``check_motion`` would raise."""
-    if not np.all(solver.moves):
-        faults |= ~solver.moves
-
-
-def _severity(solver: DyadSolver) -> Scalar:
-    """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
-    with np.errstate(invalid="ignore"):
-        missing, lengths = solver.form.reach_margin()
-        short = np.minimum(missing + ROUNDING * lengths, 0.0)
-    pose = _of_links(solver.link_poses)[0]
-    undefined = ~(np.isfinite(pose[0]) & np.isfinite(pose[2]))
-    return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
-
-
-def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:
-    """Raise AssemblyError at the first crank angle at which the dyad stands in a dead position; poses must be known.
+def check_motion(
+    linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array, faults: Booleans | None = None
+) -> None:
+    """As ``check_assembly``, at the first crank angle at which the dyad stands in a dead position.
 
     The branch of a group of a higher class ends before its dead positions.
     """
     if np.all(solver.moves) or isinstance(solver, GroupSolver):
+        return
+    if faults is not None:
+        faults |= ~solver.moves
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
     dyad, where = solver.dyad, linkage.phi.text(_at(angle, angle, first))

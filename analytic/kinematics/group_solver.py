@@ -15,6 +15,7 @@ from analytic.description.linkage import Linkage, Vector
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.branch import GroupBranch, Points, named_places, nearest_to_sketch, quintic
+from analytic.kinematics.dyads import UNASSEMBLED, Shortfall
 from analytic.kinematics.frames import STILL, Pose, Rate, Scalar
 from analytic.kinematics.group_equations import GroupSystem, Motions, poses_of, rates_of
 from analytic.kinematics.structure import Group, GroupJoint, Revolute, Structure
@@ -268,17 +269,21 @@ class GroupSolver:
         low, high = self.branch.ends
         return self.branch.margin(self.coordinate).reshape(self.shape) / (high - low or 1.0)
 
-    def assembly_fault(self, linkage: Linkage) -> str:
-        """The reason, in a sentence, why the links do not meet at some φ."""
+    def severity(self) -> Scalar:
+        """Below zero where the links do not meet, the farther from the configuration's end the lower."""
+        return np.where(self.moves, 0.0, np.minimum(self.margin(), 0.0) - np.finfo(float).tiny)
+
+    def fault(self, _: object, linkage: Linkage) -> Shortfall:
+        """Why the links do not meet at some φ."""
         names = ", ".join(f"'{name}'" for name in self.dyad.links)
         s = "" if len(self.dyad.links) > 1 else "s"
         low, high = (linkage.phi.text(end) for end in self.branch.ends)
         if self.branch.strays:
-            return (
+            return UNASSEMBLED, (
                 f"a turn of the driver takes {names} into another configuration, and one turn to either side of the "
                 f"sketch is followed; stay within"
             )
-        return (
+        return UNASSEMBLED, (
             f"{names} keep{s} the configuration of the sketch from {low} to {high} only, and end{s} there {DEAD}; stay "
             "within, or change a length"
         )

@@ -20,8 +20,6 @@ from analytic.kinematics.dyad_solver import (
     DyadSolver,
     check_assembly,
     check_motion,
-    mark_stuck,
-    mark_unassembled,
 )
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.group_equations import point_derivative, residuals
@@ -174,17 +172,11 @@ class Sweep:
 
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""
-        if self.faults is None:
-            check_assembly(self.linkage, solver, self.angle)
-        else:
-            mark_unassembled(solver, self.faults)
+        check_assembly(self.linkage, solver, self.angle, self.faults)
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a dyad is in a dead position, or note it in ``faults``."""
-        if self.faults is None:
-            check_motion(self.linkage, solver, self.angle)
-        else:
-            mark_stuck(solver, self.faults)
+        check_motion(self.linkage, solver, self.angle, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""

@@ -163,6 +163,5 @@ def test_a_turn_that_ends_in_another_configuration_is_refused():
     assert branch.ends == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
     solver = GroupSolver(Group(("one", "two"), joints, 2, branch), np.array([7.0]))
     assert solver.margin()[0] < 0.0
-    assert "a turn of the driver takes 'one', 'two' into another configuration" in solver.assembly_fault(
-        driven("boom").linkage
-    )
+    _, words = solver.fault(None, driven("boom").linkage)
+    assert "a turn of the driver takes 'one', 'two' into another configuration" in words
