@@ -396,9 +396,10 @@ def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
 
 
 def turns(name: str, hosts: Mapping[str, str]) -> bool:
-    """Whether a body turns: a slider does where its host, by its name, does."""
-    while name in hosts:
-        name = hosts[name]
+    """Whether a body turns: a slider does where its host, by its name, does; sliders on each other in a circle may."""
+    left = dict(hosts)
+    while name in left:
+        name = left.pop(name)
     return name != GROUND
 
 
