@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final
 
@@ -27,41 +27,42 @@ from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import (
     BETWEEN_LINKS,
     GROUND,
+    LOADS,
     FileRegime,
     Linkage,
     LinkTorque,
     PointForce,
     PrescribedRegime,
     ReleasedRegime,
-    RotaryDamper,
     Spring,
     ThreadEye,
     ThreadGuide,
     ThreadPath,
-    TorsionSpring,
     Vector,
 )
 from analytic.description.lookup import Reader, interpolated_law, law_over_angle, position, reader_of
 from analytic.description.units import Kind
-from analytic.description.walk import number_fields, walk
+from analytic.description.walk import number_fields
 from analytic.errors import LinkproofError, UnknownNameError, listed
 
-# The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units.
-#
-# Each kind is sorted by body and point, so that the order of listing changes no result, not even its rounding.
+# The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units, in its order.
 
 PAIR = "links = [...]"  # names the bodies of two points
 
 
-def forces(reader: Reader) -> tuple[PointForce, ...]:
-    """Forces at points; a force on the ground has no effect and is left out."""
-    loads = [_force(reader, table, number) for number, table in enumerate(reader.document.forces)]
-    return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
+def loads(reader: Reader) -> dict[str, Any]:
+    """The loads by kind; a force or a torque on the ground has no effect and is left out."""
+    makers: dict[str, Callable[..., Any]] = {"forces": _force, "torques": _torque, "springs": _spring}
+    result = {}
+    for kind in LOADS:
+        tables, maker = getattr(reader.document, kind), makers.get(kind, _between_links)
+        every = [maker(reader, table, f"{kind}.{number}", number) for number, table in enumerate(tables)]
+        result[kind] = tuple(load for load in every if getattr(load, "link", None) != GROUND)
+    return result
 
 
-def _force(reader: Reader, table: doc.ForceTable, number: int) -> PointForce:
+def _force(reader: Reader, table: doc.ForceTable, where: str, number: int) -> PointForce:
     """A force at a point in SI units."""
-    where = f"forces.{number}"
     rows = table.force if isinstance(table.force, list) else [table.force]
     link, reaction = _bodies_of_load(reader, table, table.link, where)
     link = reader.owner(table.point, link, where)
@@ -69,15 +70,8 @@ def _force(reader: Reader, table: doc.ForceTable, number: int) -> PointForce:
     return PointForce(table.point, link, interpolated_law(reader, table, rows, where), number, frame, reaction)
 
 
-def torques(reader: Reader) -> tuple[LinkTorque, ...]:
-    """Torques on links; a torque on the ground has no effect and is left out."""
-    loads = [_torque(reader, table, number) for number, table in enumerate(reader.document.torques)]
-    return tuple(sorted((load for load in loads if load.link != GROUND), key=sort_key))
-
-
-def _torque(reader: Reader, table: doc.TorqueTable, number: int) -> LinkTorque:
+def _torque(reader: Reader, table: doc.TorqueTable, where: str, number: int) -> LinkTorque:
     """A torque on a link in SI units."""
-    where = f"torques.{number}"
     values = table.torque if isinstance(table.torque, list) else [table.torque]
     law = interpolated_law(reader, table, [(value,) for value in values], where)
     link, reaction = _bodies_of_load(reader, table, table.link, where)
@@ -103,33 +97,8 @@ def _bodies_of_load(
     return first, second
 
 
-def sort_key(load: PointForce | LinkTorque | Spring | RotaryDamper | TorsionSpring) -> tuple[object, ...]:
-    """The key by which loads of a kind are sorted: bodies and points, then numbers."""
-    match load:
-        case PointForce():
-            return (load.point, load.link, _law_key(load.force), load.frame, load.reaction or "")
-        case LinkTorque():
-            return (load.link, _law_key(load.torque), load.reaction or "")
-        case Spring():
-            return (load.points, load.links, load.stiffness, load.length, load.damping)
-    return (load.links, *(number.value for number in walk(load)))
-
-
-def _law_key(law: Law) -> tuple[object, ...]:
-    """The part of a sort key that tells two laws apart."""
-    places = b"" if law.angles is None else law.angles.tobytes()
-    return law.values.tobytes(), places, law.linear, law.over, law.when or "", law.period or 0.0
-
-
-def springs(reader: Reader) -> tuple[Spring, ...]:
-    """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
-    loads = [_spring(reader, table, number) for number, table in enumerate(reader.document.springs)]
-    return tuple(sorted(loads, key=sort_key))
-
-
-def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
+def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Spring:
     """A spring with its dashpot in SI units."""
-    where = f"springs.{number}"
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where, PAIR) for point, link in ends)
     if first == second:
@@ -138,23 +107,16 @@ def _spring(reader: Reader, table: doc.SpringTable, number: int) -> Spring:
             "the other end elsewhere"
         )
     given = "length" in table.model_fields_set
-    return Spring(table.between, (first, second), table.stiffness, table.length, table.damping, given, number)
+    return Spring(table.between, (first, second), table.stiffness, table.length, table.damping, given)
 
 
-def between_links(reader: Reader, kind: str) -> tuple[Any, ...]:
-    """The loads of a kind that act between two bodies, whichever points these have."""
-    loads = [_between_links(reader, kind, table, number) for number, table in enumerate(getattr(reader.document, kind))]
-    return tuple(sorted(loads, key=sort_key))
-
-
-def _between_links(reader: Reader, kind: str, table: Any, number: int) -> Any:  # noqa: ANN401 - as the kind has it
-    """A load of a kind between two bodies, with its numbers in SI units."""
-    where = f"{kind}.{number}"
+def _between_links(reader: Reader, table: Any, where: str, _: int) -> Any:  # noqa: ANN401 - as the kind has it
+    """A load between two bodies, whichever points these have, with its numbers in SI units."""
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
-    numbers = {name: getattr(table, name) for name in number_fields(BETWEEN_LINKS[kind])}
-    return BETWEEN_LINKS[kind]((first, second), **numbers, number=number)
+    kind = BETWEEN_LINKS[where.partition(".")[0]]
+    return kind((first, second), **{name: getattr(table, name) for name in number_fields(kind)})
 
 
 # The regimes of a linkage file: a released crank, or a motion that its crank follows, in SI units.
@@ -373,11 +335,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         sketch_angle=document.sketch.angle,
         gravity=document.gravity,
         fluctuation=document.fluctuation,
-        forces=forces(reader),
-        torques=torques(reader),
-        springs=springs(reader),
-        dampers=between_links(reader, "dampers"),
-        torsion_springs=between_links(reader, "torsion_springs"),
+        **loads(reader),
         friction=_friction(reader),
         output=_output(reader),
         thread=_thread(reader),

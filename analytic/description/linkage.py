@@ -167,7 +167,7 @@ class Slider:
 class Slot:
     """A pin in a slot: ``point`` (of another link or of the ground) stays on the guide and may turn.
 
-    ``number`` is the slot's among those of the file, from 0, as it is of every load.
+    ``number`` is the slot's among those of the file, from 0, as it is of forces and torques.
     """
 
     point: str
@@ -215,7 +215,6 @@ class Spring:
     length: Annotated[float, Kind.LENGTH]
     damping: Annotated[float, Kind.DAMPING]
     has_length: bool = True  # whether the file gives one; a spring without pulls at every length
-    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -224,7 +223,6 @@ class RotaryDamper:
 
     links: tuple[str, str]
     coefficient: Annotated[float, Kind.TURN_DAMPING]
-    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -237,7 +235,6 @@ class TorsionSpring:
     links: tuple[str, str]
     stiffness: Annotated[float, Kind.TORQUE]
     angle: Annotated[float, Kind.ANGLE]
-    number: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
