@@ -273,8 +273,8 @@ def are_steep(determinants: Array) -> Booleans:
 
     Of the dyads' ``determinants`` (dyads, designs, angles), magnitudes.
     """
-    first, two = determinants[..., 1:], determinants[..., :-1]
-    return np.asarray(np.any(~(np.minimum(first, two) >= LEAST_RATIO * np.maximum(first, two)), axis=0))
+    before, after = determinants[..., :-1], determinants[..., 1:]
+    return np.asarray(np.any(~(np.minimum(before, after) >= LEAST_RATIO * np.maximum(before, after)), axis=0))
 
 
 def with_neighbours(steps: Booleans) -> Booleans:

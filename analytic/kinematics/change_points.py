@@ -39,8 +39,8 @@ QUARTIC: Final = 8.0  # of a double root the radicand grows fourfold over twice 
 NEAR: Final = 0.02  # rad, that distance
 FOLDED: Final = "have their outer pins on top of each other and turn about them freely; move one of the pivots"
 MERGED: Final = (
-    "turn round on a change point, or pass two of them within two degrees: which way they go on hangs on roundings; "
-    "change a length"
+    "turn round on a change point, or pass two of them within two degrees: their further motion depends on rounding "
+    "errors; change a length"
 )
 SIDES: Final = np.array([-1.0, 1.0])
 BESIDE: Final = 0.5  # rad: what is so near to a change point is computed with the lengths that touch there
@@ -162,10 +162,10 @@ class _ChangePointSearch:
             if touch is None:
                 continue
             far = self._chain_beside(touch, NEAR, np.multiply.outer([1.0, 2.0], SIDES))
-            first, two = self._margin(number, far)[0].sum(axis=1)
-            if two < QUARTIC * first:
+            near, twice = self._margin(number, far)[0].sum(axis=1)
+            if twice < QUARTIC * near:
                 yield touch._replace(angle=np.mod(touch.angle, self.period))
-            elif np.isfinite(two):
+            elif np.isfinite(twice):
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
 
     def _chain_beside(self, touch: Touch, distance: float, places: Any, order: int = 0) -> _Chain:  # noqa: ANN401

@@ -151,7 +151,7 @@ class _Margins:
         windows: Windows = {}
         solvers = [solver_of(group, angle, windows) for group in self.structure.groups]
         for solver in solvers:
-            poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
+            poses.update(zip(solver.group.links, solver.poses(poses), strict=True))
         return solvers
 
     def margins(self, offset: Array) -> Array:
@@ -167,7 +167,7 @@ class _Margins:
                     missing, lengths = solver.margin(), 1.0
                 else:
                     parallel = (solver.form.determinant, sign)
-                    missing, lengths = solver.form.reach_margin() if solver.dyad.has_two_modes else parallel
+                    missing, lengths = solver.form.reach_margin() if solver.group.has_two_modes else parallel
                 row = np.where(fails, np.inf, missing / lengths)
                 rows[number] = np.where(np.isnan(row), -1.0, row)
                 fails |= rows[number] < -ROUNDING
@@ -177,8 +177,8 @@ class _Margins:
         """The limit at an offset from the start: the group and the position of its links."""
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
-            return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
-        return Toggle(self.start + offset, solver.dyad, solver.form.dead_position())
+            return Toggle(self.start + offset, solver.group, f"its links stand {DEAD}")
+        return Toggle(self.start + offset, solver.group, solver.form.dead_position())
 
     def nearest_limit(self, direction: float) -> Toggle | None:
         """The nearest end of the range in a direction, 1 or -1; None where a whole turn has none."""

@@ -31,7 +31,7 @@ class DyadSolver:
 
         ``windows`` are those of φ so far.
         """
-        self.dyad, self.angle = dyad, angle
+        self.group, self.angle = dyad, angle
         self.windows: Windows = {} if windows is None else windows
         self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
         self.form: Any = FORMS[dyad.kind](dyad, self.sign, angle)
@@ -52,17 +52,17 @@ class DyadSolver:
 
     def _through_change_points(self, order: int, pair: tuple[Any, ...]) -> tuple[Any, ...]:
         """Values of the formulas; near change points those of the series through them."""
-        changes = self.dyad.changes
+        changes = self.group.changes
         return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
 
     def _moves(self) -> Scalar:
         """Where the dyad is away from its dead positions, so that its links meet and can move."""
         determinant, least = self.form.determinant, self.form.least_determinant()
-        if self.dyad.changes is not None:
-            return self.dyad.changes.moves(self.angle, self.sign * determinant > least, self.windows)
-        if self.dyad.sign > 0:  # the determinant's own sign
+        if self.group.changes is not None:
+            return self.group.changes.moves(self.angle, self.sign * determinant > least, self.windows)
+        if self.group.sign > 0:  # the determinant's own sign
             return determinant > least
-        return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least
+        return determinant < -least if self.group.sign < 0 else abs(determinant) > least
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
         """First derivatives over φ; the poses must be known."""
@@ -132,7 +132,7 @@ def check_motion(
         faults |= ~solver.moves
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad, where = solver.dyad, linkage.phi.text(_at(angle, angle, first))
+    dyad, where = solver.group, linkage.phi.text(_at(angle, angle, first))
     stand = "stand" if len(dyad.links) > 1 else "and its cylinder stand"
     raise AssemblyError(
         f"'{linkage.name}': {dyad.words} {stand} in a dead position at {where}, "

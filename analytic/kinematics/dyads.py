@@ -339,9 +339,9 @@ class RRR(_PinDyad):
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
         """The smaller of the arms' sum less AB, and AB less their difference."""
-        first, two = self.lengths
+        first, second = self.lengths
         gap = self.gap()
-        return np.minimum(first + two - gap, gap - abs(first - two)), _pins_size(self.sides) + first + two
+        return np.minimum(first + second - gap, gap - abs(first - second)), _pins_size(self.sides) + first + second
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """The arms' sum, or their difference, becomes the gap."""

@@ -213,7 +213,7 @@ class GroupSolver:
     """A group being solved; the mappings hold every body placed before it."""
 
     def __init__(self, group: Group, coordinate: Array) -> None:
-        self.dyad = group
+        self.group = group
         self.hosts = group.hosts
         self.shape = np.shape(coordinate)
         self.coordinate = np.atleast_1d(np.asarray(coordinate, dtype=float)).ravel()
@@ -222,8 +222,8 @@ class GroupSolver:
     @property
     def branch(self) -> GroupBranch:
         """The configuration that is followed."""
-        assert self.dyad.branch is not None
-        return self.dyad.branch
+        assert self.group.branch is not None
+        return self.group.branch
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
         """Poses of the links; nan where they do not meet in this configuration."""
@@ -255,7 +255,7 @@ class GroupSolver:
         hosts = {
             body: tuple(self._flat(known.get(body, STILL)) for known in self.known) for body in self.hosts
         }  # fmt: skip
-        return GroupSystem(self.dyad.joints, self.dyad.links, hosts, self.coordinate, self.branch.unit)
+        return GroupSystem(self.group.joints, self.group.links, hosts, self.coordinate, self.branch.unit)
 
     def _flat(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
         count = (len(self.coordinate),)
@@ -275,8 +275,8 @@ class GroupSolver:
 
     def fault(self, _: object, linkage: Linkage) -> Shortfall:
         """Why the links do not meet at some φ."""
-        names = ", ".join(f"'{name}'" for name in self.dyad.links)
-        s = "" if len(self.dyad.links) > 1 else "s"
+        names = ", ".join(f"'{name}'" for name in self.group.links)
+        s = "" if len(self.group.links) > 1 else "s"
         low, high = (linkage.phi.text(end) for end in self.branch.ends)
         if self.branch.strays:
             return UNASSEMBLED, (

@@ -223,10 +223,10 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, pos
         solver = DyadSolver(mode, np.asarray(linkage.sketch_angle))
         places.append(named_places(points, solver.poses(poses)))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
-    configuration_at_sketch, telling = nearest_to_sketch(linkage, places)
+    nearest, telling = nearest_to_sketch(linkage, places)
     if telling is not None:
         raise StructureError(_ambiguous_sketch(linkage, dyad, telling))
-    return modes[configuration_at_sketch]
+    return modes[nearest]
 
 
 def _ambiguous_sketch(linkage: Linkage, dyad: ClosedGroup, telling: Sequence[str]) -> str:

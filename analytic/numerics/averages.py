@@ -20,8 +20,8 @@ Integrands = Callable[[Integers, Array], Array]
 COUNT: Final = 8  # nodes of a cell
 NODES: Final = 0.5 + 0.5 * np.polynomial.legendre.leggauss(COUNT)[0]
 WEIGHTS: Final = 0.5 * np.polynomial.legendre.leggauss(COUNT)[1]
-# Of the mean magnitude: halves that agree with the whole to this are themselves 2^16 times as near to the truth where
-# the curve is smooth, and a few times where it has a kink.
+# Relative agreement of a cell's two halves with the whole; the halves are then about 2^16 times more accurate where the
+# curve is smooth, and a few times where it has a kink.
 SAME: Final = 1e-10
 LEVELS: Final = 40
 MOST: Final = 128  # cells of a row that still differ: of more the integrand is nothing but rounding

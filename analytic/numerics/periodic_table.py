@@ -32,7 +32,7 @@ NEIGHBOUR: Final = 1e-14
 OUTLIER: Final = 32.0  # times the rounding of a few places is that of others, and of the polynomial through them
 PIECE: Final = 16384  # angles at a time: a linkage of many links takes kilobytes an angle
 MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be distinguished from a jump
-MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are, with the error they have
+MOST_CELLS: Final = 8192  # of a level: beyond it refining is given up, and the error says so
 
 
 @dataclass(frozen=True)

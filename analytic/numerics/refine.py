@@ -180,12 +180,12 @@ def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
     """Place and height of the top of the parabola through three points; infinite or nan without a reliable top."""
-    first, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
+    before, after = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):  # two of the places may be the same
-        rise, fall = (y[:, 1] - y[:, 0]) / first, (y[:, 2] - y[:, 1]) / two
-        bend = (fall - rise) / (first + two)
-        slope = (rise * two + fall * first) / (first + two)
-    bend = np.where((bend < 0.0) & (np.minimum(first, two) > BESIDE * (first + two)), bend, np.nan)
+        rise, fall = (y[:, 1] - y[:, 0]) / before, (y[:, 2] - y[:, 1]) / after
+        bend = (fall - rise) / (before + after)
+        slope = (rise * after + fall * before) / (before + after)
+    bend = np.where((bend < 0.0) & (np.minimum(before, after) > BESIDE * (before + after)), bend, np.nan)
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 
 
