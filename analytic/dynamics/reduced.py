@@ -234,7 +234,7 @@ class EquationOfMotion:
     @cached_property
     def peak_moment(self) -> float:
         """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
-        seen = self.mechanism.turn.angle if self.mechanism.linkage.is_linear else grid()
+        seen = self.mechanism.turn.angle
         most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
 
         def moment(terms: Array) -> Array:
@@ -375,9 +375,8 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     changes = np.flatnonzero((np.signbit(before) != np.signbit(after)) & np.isfinite(before) & np.isfinite(after))
     equilibria = []
     for change in changes:
-        left = float(start[change])
-        right = float(start[change + 1]) if is_linear else left + FULL_TURN / len(start)
-        angle = root(lambda phi: float(moment(np.asarray(phi))), left, right)
+        left, step = float(start[change]), float(start[1] - start[0])
+        angle = root(lambda phi: float(moment(np.asarray(phi))), left, left + step)
         ends = max(abs(before[change]), abs(after[change]))
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
             place = angle if is_linear else float(in_turn(angle))

@@ -186,11 +186,11 @@ torques = [{ link = "rod", torque = [5] }]
 """
 
 
-def test_loads_in_another_order_than_the_file_has_them():
+def test_of_two_loads_of_one_name_each_is_written_where_it_stands():
     text = FILES["juki-mf7923d"].replace("title ", f"{LOADED}title ", 1)
     rod = next(name for name, link in parse(FILES["juki-mf7923d"], "j", "j").links.items() if "D" in link.points)
     text = text.replace('"rod"', f'"{rod}"')
-    new = tomllib.loads(rewritten(text, "sample", None, {"forces.D.x": 2.0, f"torques.{rod}": 6.0}))
+    new = tomllib.loads(rewritten(text, "sample", None, {"forces.D.x #2": 2.0, f"torques.{rod}": 6.0}))
     assert [table["force"] for table in new["forces"]] == [[[1, 0]], [2.0, 0]]
     assert new["torques"][0]["torque"] == [6.0]
     assert_written(text, None, {"forces.D.x": 7.0})
