@@ -55,8 +55,9 @@ def loads(reader: Reader) -> dict[str, Any]:
     makers: dict[str, Callable[..., Any]] = {"forces": _force, "torques": _torque, "springs": _spring}
     result = {}
     for kind in LOADS:
-        tables, maker = getattr(reader.document, kind), makers.get(kind, _between_links)
-        every = [maker(reader, table, f"{kind}.{number}", number) for number, table in enumerate(tables)]
+        maker: Callable[..., Any] = makers.get(kind, _between_links)
+        tables = enumerate(getattr(reader.document, kind))
+        every = [maker(reader, table, f"{kind}.{number}", number) for number, table in tables]
         result[kind] = tuple(load for load in every if getattr(load, "link", None) != GROUND)
     return result
 
