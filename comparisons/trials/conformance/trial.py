@@ -76,7 +76,8 @@ SAMPLES: Final[Mapping[str, Sample]] = {
     SLIDER_AT_SPEED: Sample("slider-crank", 20.0, at_speed=True),
     "quick return": Sample("quick-return", 75.0),
     **{
-        load: Sample("four-bar", 40.0, load) for load in ("force", "force over the angle", "torque", "spring", "damper")
+        load: Sample("four-bar", 40.0, load)
+        for load in ("force", "force over the angle", "torque", "spring", "damper", "friction")
     },
     "driven slider": Sample("driven-slider"),
     "cylinder": Sample("cylinder"),

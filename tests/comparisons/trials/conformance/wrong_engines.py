@@ -90,7 +90,7 @@ class NarrowEngine(Direct):
         if setting is not Setting.TUNED:
             return Run(Outcome.UNSUPPORTED, "one setting")
         loads = (*scene.torques, *scene.springs, *scene.dampers, *(f for f in scene.forces if not f.force.is_constant))
-        if scene.guided or scene.cylinder or loads or isinstance(scene.drive, Free):
+        if scene.guided or scene.cylinder or loads or scene.friction or isinstance(scene.drive, Free):
             return Run(Outcome.UNSUPPORTED, "too much")
         run = super().run(scene, setting)
         if run.history is None:
