@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any, Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
 from analytic.description.law import FULL_TURN
@@ -23,6 +22,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.dead_centres import top_of_turn
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.signals import THREAD_FEED, reference_angle, reference_length, stop_position
 from comparisons.designer.curves import Curves, Instants, SignalFigure, choose_samples
@@ -32,8 +32,6 @@ from comparisons.designer.open_ends import inset_ends, open_end_warning
 from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.motion.case import Case, motion_of_file_regime
 from comparisons.motion.thinning import extreme_samples
-
-Array = NDArray[np.float64]
 
 POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
 TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
@@ -70,7 +68,7 @@ def positions_over_motion(curves: Curves) -> Positions:
     return replace(positions, over="time", axis=truth.time, bodies=bodies)
 
 
-def positions_at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:
+def positions_at(mechanism: Mechanism, angle: Array, *, closed: bool) -> Positions:
     """Where the bodies are at values of φ (n,), rad, or of the travel, m; ``closed`` for a whole turn."""
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}

@@ -10,7 +10,6 @@ from itertools import pairwise
 from typing import Final, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import signals
 from analytic.description.crank_motion import CrankMotion, Standstill
@@ -20,13 +19,12 @@ from analytic.description.written import finite
 from analytic.dynamics.reduced import load_corners
 from analytic.errors import LinkproofError
 from analytic.kinematics.sweep import transmission_angle
+from analytic.numerics.arrays import Array, Integers
 from analytic.numerics.averages import averages
-from analytic.numerics.refine import Integers, highest_each
+from analytic.numerics.refine import highest_each
 from analytic.numerics.roots import root, roots
 from comparisons.designer.open_ends import OpenEnd, open_ends
 from comparisons.motion.case import Case, DriverMotion, Truth
-
-Array = NDArray[np.float64]
 
 STEP: Final = math.radians(0.5)  # of the crank, between two instants
 LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
@@ -192,7 +190,7 @@ MOST_MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straigh
 ROUNDS: Final = 6
 
 
-def choose_samples(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:
+def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
     """Indices of the samples at which curves (k, n) over ``axis`` (n,) need for lines to show everything.
 
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.

@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import LARGEST, REGIMES, RPM, CrankMotion, Segment, crank_motion
 from analytic.description.diagnosis import Source
@@ -26,13 +25,12 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import bottom_dead_centre, top_dead_centre
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Revolute
+from analytic.numerics.arrays import Array
 from analytic.numerics.averages import NODES, WEIGHTS
 from analytic.numerics.refine import extremes, highest
 from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, feed, moving_points, signal, table, unit
 from comparisons.designer.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
 from comparisons.motion.case import Case, case_of_file_regime
-
-Array = NDArray[np.float64]
 
 SHAKING: Final = "shaking force"
 SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed

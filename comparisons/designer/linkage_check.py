@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM
@@ -26,6 +25,7 @@ from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import ClosedGroup, grashof, loose_points, mobility
 from analytic.kinematics.sweep import transmission_angle
+from analytic.numerics.arrays import Array
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from comparisons.designer.figures import NEAR, REPRODUCED, check_published, compare_published
 from comparisons.designer.open_ends import INSET, RANGE_SAMPLES, good_stretches, inset_ends
@@ -48,7 +48,6 @@ SPEED, PLACES, MOST_TIMES, NOISE = 1000.0, 120, 100.0, 1e-9
 SMALLER_UNITS: Final = {"N/mm": "N/m", "kN": "N", "N*m": "N*mm", "N m": "N*mm"}
 UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^2"}
 
-Array = NDArray[np.float64]
 Facts = dict[str, Any]
 
 DYADS_AT_ONCE: Final = (

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import AnyGroup, ClosedGroup
 from analytic.kinematics.sweep import Sweep, transmission_angle
+from analytic.numerics.arrays import Array
 from analytic.numerics.roots import roots
-
-Array = NDArray[np.float64]
 
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 NEAR: Final = 0.05  # share of a range within which an end lies beside its limit

@@ -9,12 +9,12 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.designs.derivatives import signal_values
 from analytic.designs.figures import Reduction
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array
 from comparisons.designer.parameters import (
     NamedFigure,
     OpenEndFigures,
@@ -31,8 +31,6 @@ from comparisons.designer.problem import (
     variables,
 )
 from comparisons.designer.searches import ACTIVE, Announce, Descent, End, Search, independent, search
-
-Array = NDArray[np.float64]
 
 # An optimum whose lengths can be made: whole steps between their bounds, the other numbers searched for again.
 

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED, design_numbers, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
@@ -27,11 +26,10 @@ from analytic.kinematics.dead_centres import top_dead_centre
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.arrays import Array
 from analytic.signals import MovingSweep, signal, unit
 from comparisons.designer.linkage_check import load_name
 from comparisons.designer.open_ends import inset_ends, open_end_warning, open_ends
-
-Array = NDArray[np.float64]
 
 LISTING: Final = "those that `linkproof list MECHANISM` shows"
 TYPED_NUMBER: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")

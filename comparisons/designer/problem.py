@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
@@ -23,11 +22,10 @@ from analytic.designs.derivatives import signal_gradients, signal_values
 from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.refine import Integers, Tops, climb
+from analytic.numerics.arrays import Array, Integers
+from analytic.numerics.refine import Tops, climb
 from analytic.signals import MAGNITUDE, OUTPUT_COORDINATE, is_angle
 from comparisons.designer.parameters import NamedFigure, Parameter, SteadyCase, named_figures, parameter
-
-Array = NDArray[np.float64]
 
 FEWEST_ANGLES: Final = 360  # crank angles at which signals are sampled
 MOST_WINDOWS: Final = (

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
+from analytic.numerics.arrays import Array
 from comparisons.designer.problem import ALLOWED_EXCESS, DesignProblem, Linearised, SampleWindow
-
-Array = NDArray[np.float64]
 
 ROUNDS: Final = 15
 SETTLED: Final = 1e-10  # by which a round has to lower the aim for another one as wide

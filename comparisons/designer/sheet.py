@@ -12,13 +12,13 @@ from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.units import FileUnit
 from analytic.description.written import file_unit
+from analytic.numerics.arrays import Array, Integers
 from analytic.numerics.refine import in_turn
 from analytic.signals import MAGNITUDE
 from comparisons.designer.curves import DIRECTION, TIME, SignalFigure
@@ -29,7 +29,6 @@ NOWHERE: Final[Mapping[str, Any]] = {"time": None, "phi": None, "at_open_end": F
 JOINT: Final = "joint_force:"
 
 
-Array = NDArray[np.float64]
 ByName = Mapping[str, Array]  # curves or vectors by their names
 
 
@@ -129,7 +128,7 @@ class Sheet:
         return self.linkage.is_linear
 
     @property
-    def table(self) -> Mapping[str, NDArray[np.float64]]:
+    def table(self) -> Mapping[str, Array]:
         """The signals at the instants of tables and files."""
         return self.values if self.chosen is None else self.chosen
 
@@ -249,18 +248,18 @@ class Sheet:
         return "t" if self.axis == TIME else "travel" if self.is_linear else "φ"
 
     @cached_property
-    def _order(self) -> NDArray[np.intp]:
+    def _order(self) -> Integers:
         """Order (n,) that sorts samples by the axis; of a turn without the last sample, which is the first again."""
         along = self.values[self.axis]
         return np.argsort(along[:-1] % FULL_TURN if self.is_turn else along, kind="stable")
 
-    def sorted_by_axis(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def sorted_by_axis(self, values: Array) -> Array:
         """Samples (n,) in the order of the ascending axis, so that a curve runs from left to right."""
         ordered = values[self._order]
         return np.append(ordered, ordered[0]) if self.is_turn else ordered
 
     @cached_property
-    def x(self) -> NDArray[np.float64]:
+    def x(self) -> Array:
         """The abscissas (n,) of every curve, ascending, in ``axis_unit``."""
         axis = self.values[self.axis]
         if not self.is_turn:
@@ -268,6 +267,6 @@ class Sheet:
         ordered = (axis[:-1] % FULL_TURN)[self._order]
         return np.append(ordered, ordered[0] + FULL_TURN) / self.axis_unit.size
 
-    def y(self, name: str) -> NDArray[np.float64]:
+    def y(self, name: str) -> Array:
         """The ordinates (n,) of a signal's curve, in ``unit``."""
         return self.sorted_by_axis(self.values[name]) / self.unit(name).size

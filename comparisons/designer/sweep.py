@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
@@ -24,6 +23,7 @@ from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError, shortened
 from analytic.files import read_file
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array, Booleans
 from analytic.signals import names
 from comparisons.designer.parameters import (
     NamedFigure,
@@ -37,8 +37,6 @@ from comparisons.designer.parameters import (
 if TYPE_CHECKING:
     import xarray
 
-
-Array = NDArray[np.float64]
 
 MOST: Final = 2 * 10**7  # values of an axis, and figures of all designs together: they are in memory
 ONE_BY_ONE: Final = "design"  # the dimension of a list
@@ -243,7 +241,7 @@ class SweepStudy:
     values: Array
 
     @cached_property
-    def assembles(self) -> NDArray[np.bool_]:
+    def assembles(self) -> Booleans:
         """Which designs assemble at every angle, (designs,)."""
         return np.asarray(~np.all(np.isnan(self.values), axis=0))
 

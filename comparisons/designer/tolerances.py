@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from analytic.description.changes import SPEED, numbers
@@ -35,6 +34,7 @@ from analytic.description.schema import Finite, TomlTable
 from analytic.description.units import FileUnit, Kind, factor
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.numerics.arrays import Array, Booleans
 from comparisons.designer.parameters import (
     LISTING,
     NamedFigure,
@@ -46,8 +46,6 @@ from comparisons.designer.parameters import (
     parameter,
     parameters,
 )
-
-Array = NDArray[np.float64]
 
 LENGTH, ANGLE = ".length", ".angle"
 PLUS_MINUS, DISTRIBUTION = "plus_minus", "distribution"
@@ -405,7 +403,7 @@ class ToleranceStudy:
         return np.asarray(np.quantile(self.random[:, self._is_assembled], QUANTILES, axis=1).T)
 
     @property
-    def _is_assembled(self) -> NDArray[np.bool_]:
+    def _is_assembled(self) -> Booleans:
         """Whether each random design assembles at every angle, (designs,)."""
         return np.asarray(np.isfinite(self.random).all(axis=0))
 

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from typing import Any, Final, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
@@ -30,11 +30,10 @@ from analytic.kinematics.dead_centres import top_of_turn
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.arrays import Array
 from analytic.numerics.refine import highest
 from analytic.signals import LinkageInMotion
 from engines.scene import Body, Channel, Drive, Free, Prescribed, Scene, build_scene
-
-Array = NDArray[np.float64]
 
 INSTANTS: Final = 2001  # at which a motion is looked at as a whole
 

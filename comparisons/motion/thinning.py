@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array, Integers
+
 # A run's curve is stored by the worst sample of each of so many stretches, and by the extremes of so many of the truth.
 WORST: Final = 120
 EXTREMES: Final = 40
@@ -19,7 +20,7 @@ def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> N
     return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
 
 
-def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+def extreme_samples(values: Array, stretches: int) -> Integers:
     """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
     if len(values) <= 2 * stretches:
         return np.arange(len(values))
@@ -27,7 +28,7 @@ def extreme_samples(values: Array, stretches: int) -> NDArray[np.intp]:
     return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
 
 
-def highest_samples(values: Array, stretches: int) -> NDArray[np.intp]:
+def highest_samples(values: Array, stretches: int) -> Integers:
     """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
     size = -(-len(values) // stretches) or 1
     starts = np.arange(0, len(values), size)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import DriverKind, Vector
+from analytic.numerics.arrays import Array, Booleans
 from analytic.numerics.refine import highest
 from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.joints import JointEquations, applied_loads, potential_energy, without_potential
@@ -26,8 +26,6 @@ from engines.mechanics.states import (
     with_ground,
 )
 from engines.scene import Channel, Free, Scene
-
-Array = NDArray[np.float64]
 
 DENSE = 48  # samples of a turn that can be read between
 
@@ -231,7 +229,7 @@ FEWEST = 4 * POINTS  # samples needed for an error estimate
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the interpolating polynomials
 
 
-def is_off_jumps(time: Array, jumps: Sequence[float]) -> NDArray[np.bool_]:
+def is_off_jumps(time: Array, jumps: Sequence[float]) -> Booleans:
     """Which samples at these times, s, have one value: one on a jump has two, and an engine shows either or neither."""
     result = np.full(len(time), True)
     for jump in jumps:

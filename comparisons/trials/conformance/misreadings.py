@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND, DriverKind
+from analytic.numerics.arrays import Array
 from comparisons.trials.judging.signal_errors import ANGLE, LEVELS, PLACE, Reading
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import Channel
-
-Array = NDArray[np.float64]
 
 EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
 ENDS: Final = 4  # samples at either end by which nothing is explained: shifted in time they have no values

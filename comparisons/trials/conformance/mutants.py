@@ -13,8 +13,8 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analytic.numerics.arrays import Array
 from comparisons.motion.case import Case
 from comparisons.trials.conformance.trial import (
     AT_SPEED,
@@ -32,8 +32,6 @@ from comparisons.trials.runs.run_engine import run_engine
 from engines.contract import History, Origin, Setting, Signal
 from engines.scene import Body, Channel, Scene
 from engines.stepping.richardson import Weigh, combine_histories, named_signals, weights
-
-Array = NDArray[np.float64]
 
 MUTANT: Final = "mutant: "
 SAME: Final = 1e-7  # of a signal's peak, a hundredth of the tightest limit: runs that differ less are the same

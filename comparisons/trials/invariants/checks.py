@@ -29,11 +29,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
+from analytic.numerics.arrays import Array
 from comparisons.motion.case import Case
 from comparisons.trials.invariants.corrections import LEVELS, speed_errors, undissipated_error
 from comparisons.trials.invariants.inspection import Inspection
@@ -53,8 +53,6 @@ from engines.contract import History, Signal
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import start_coordinate, start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
-
-Array = NDArray[np.float64]
 
 TINY = float(np.finfo(float).tiny)
 

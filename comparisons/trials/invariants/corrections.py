@@ -15,16 +15,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.decomposition import Matching
+from analytic.numerics.arrays import Array
 from comparisons.trials.observed_motion import POINTS, ObservedMotion
 from engines.mechanics.joints import Arms, JointEquations, applied_loads
 from engines.mechanics.states import Numbers, Pose, Reals, pose_of
 from engines.scene import Channel, Prescribed
-
-Array = NDArray[np.float64]
 
 LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 EPS = float(np.finfo(float).eps)

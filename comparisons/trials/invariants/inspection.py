@@ -8,10 +8,10 @@ from functools import cached_property
 from itertools import takewhile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
+from analytic.numerics.arrays import Array, Booleans
 from comparisons.trials.invariants.corrections import LEVELS, AssurGroups, Findings, findings
 from comparisons.trials.judging.signal_errors import FAINT_FORCE
 from comparisons.trials.observed_motion import POINTS, ObservedMotion, resample_piecewise
@@ -19,8 +19,6 @@ from engines.contract import Signal
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import driven, start_coordinate, start_motion
 from engines.scene import Channel, Prescribed
-
-Array = NDArray[np.float64]
 
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
 # samples on either side are as uncertain.
@@ -118,7 +116,7 @@ class Inspection:
             result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
         return result
 
-    def beside_changes(self, time: Array) -> NDArray[np.bool_]:
+    def beside_changes(self, time: Array) -> Booleans:
         """Where a group is at its change point or a few samples from it, (n, groups): it moves on smoothly there.
 
         The determinant is small there, and corrections, which are divided by it, are mere rounding.
@@ -171,7 +169,7 @@ class Inspection:
             worst = np.maximum(worst, np.hypot(*difference.T) / scales[number])
         return Signal(time, worst)
 
-    def unresolved_intervals(self, time: Array) -> NDArray[np.bool_]:
+    def unresolved_intervals(self, time: Array) -> Booleans:
         """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).
 
         Beside a dead position a group's determinant changes by much of itself from sample to sample; a piece of the
@@ -214,7 +212,7 @@ class Inspection:
                 yield start, end
 
 
-def _bridge(signal: Signal, beside: NDArray[np.bool_], gap: slice, jumps: tuple[float, ...]) -> Array:
+def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ...]) -> Array:
     """Values in a gap by a polynomial through the samples on either side of it; nan without such a polynomial."""
     time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
     low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
@@ -25,6 +24,7 @@ from analytic.description.linkage import ThreadEye, ThreadPath
 from analytic.dynamics.reduced import near_load_jumps
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import top_of_turn
+from analytic.numerics.arrays import Array, Booleans
 from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
 from comparisons.motion.case import Case, DriverMotion, zero_of_output
 from comparisons.motion.thinning import stored_curve
@@ -32,8 +32,6 @@ from comparisons.trials.observed_motion import SHARP_POINTS, ObservedMotion, pea
 from comparisons.trials.runs.store import Curve
 from engines.contract import Origin, Signal
 from engines.scene import Channel
-
-Array = NDArray[np.float64]
 
 JOINT_FORCE = "joint_force:"
 LINEAR_TITLES: Mapping[str, str] = {
@@ -309,7 +307,7 @@ def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> No
     )
 
 
-def near_jumps(time: Array, motion: DriverMotion) -> NDArray[np.bool_]:
+def near_jumps(time: Array, motion: DriverMotion) -> Booleans:
     """Which of the times (n,), s, lie in the window at any jump of a motion's acceleration; nowhere without a jump.
 
     There accelerations, torques and forces have two true values. The window belongs to the motion: it is as wide for
@@ -321,12 +319,12 @@ def near_jumps(time: Array, motion: DriverMotion) -> NDArray[np.bool_]:
     return near
 
 
-def has_two_values(case: Case, time: Array) -> NDArray[np.bool_]:
+def has_two_values(case: Case, time: Array) -> Booleans:
     """Which of the times (n,), s, lie at a jump of the acceleration, of friction or of a load that acts one way."""
     return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time))
 
 
-def near_jump(time: Array, motion: DriverMotion, jump: float) -> NDArray[np.bool_]:
+def near_jump(time: Array, motion: DriverMotion, jump: float) -> Booleans:
     """Which of the times (n,), s, lie in the window at one of the motion's jumps, s."""
     pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
     half = WINDOW * float(np.min(pieces, initial=motion.duration))

@@ -8,16 +8,14 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analytic.numerics.arrays import Array, Booleans
 from comparisons.motion.case import Case, channel_truth
 from comparisons.trials.judging.quantities import has_two_values
 from comparisons.trials.observed_motion import resample
 from engines.contract import History, Signal
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
-
-Array = NDArray[np.float64]
 
 PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of a scalar
 LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
@@ -126,7 +124,7 @@ class SignalError:
     read: Reading
     true: Reading
     scale: float
-    counted: NDArray[np.bool_]
+    counted: Booleans
 
     @property
     def scale_words(self) -> str:
@@ -193,7 +191,7 @@ def _kind(reading: Reading) -> tuple[Channel, str, int]:
     return (reading.channel, reading.name if is_force else "", reading.columns.start)
 
 
-def _counted(case: Case, reading: Reading) -> NDArray[np.bool_]:
+def _counted(case: Case, reading: Reading) -> Booleans:
     """Which samples have one true value."""
     if reading.channel in (Channel.POSITION, Channel.VELOCITY):
         return np.ones(len(reading.time), dtype=bool)

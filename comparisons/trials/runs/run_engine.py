@@ -16,13 +16,11 @@ from typing import Final, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from analytic.numerics.arrays import Array
 from comparisons.trials.observed_motion import POINTS
 from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Drive, Prescribed, Scene
-
-Array = NDArray[np.float64]
 
 # Runs that gave no result: how each failed, whose fault it was, and where.
 #

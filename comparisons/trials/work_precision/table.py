@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
+from analytic.numerics.arrays import Array, Booleans
 from comparisons.trials.judging.records import RunRecord, Verdict
 from comparisons.trials.runs.store import load_study, save_study
 from engines.contract import Outcome, Setting
@@ -166,8 +166,6 @@ def load(folder: Path) -> Bench:
     return Bench(*load_study(folder, KIND, FORM, BenchRun.from_row))
 
 
-Array = NDArray[np.float64]
-
 # The order is fitted to errors below the first bound (no solution) and above the second (no step error).
 SATURATED = 0.3
 ABOVE_FLOOR = 3.0
@@ -229,7 +227,7 @@ def still_improves(errors: Sequence[float]) -> bool:
     return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
-def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
+def pareto(costs: Sequence[float], errors: Sequence[float]) -> Booleans:
     """Which of the points (n,) no other beats, that is, is at most as dear and as wrong, and less in one of the two."""
     order = np.lexsort((errors, costs))
     unbeaten = np.zeros(len(costs), dtype=bool)
