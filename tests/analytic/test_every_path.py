@@ -13,8 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import linkage_trace
 from analytic.signals import evaluate, names
-from tests.analytic.exact_forces import forces_of, signals_of
-from tests.analytic.fifty_digits import Exact
+from tests.analytic.fifty_digits import Exact, forces_of, signals_of
 from tests.analytic.linkages import ON_TRIAL, driven, laden, on_trial
 
 SAME = 1e-13  # of the peak

@@ -21,8 +21,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MovingSweep
 from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
-from tests.analytic.exact_forces import forces_of, signals_of
-from tests.analytic.fifty_digits import Exact
+from tests.analytic.fifty_digits import Exact, forces_of, signals_of
 from tests.analytic.linkages import IN_LINE, from_text, mechanism, on_trial
 
 SPEED = 20.0

@@ -20,8 +20,7 @@ from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.absolute_coordinates import largest_error
 from tests.analytic.drawn_linkages import draw
-from tests.analytic.exact_forces import forces_of
-from tests.analytic.fifty_digits import Exact
+from tests.analytic.fifty_digits import Exact, forces_of
 from tests.analytic.linkages import PENDULUM, text_of
 from tests.engines.closed_form import installed
 

@@ -21,8 +21,7 @@ from tests.comparisons.filejudge.layouts import (
     trajectory,
 )
 from tests.nightly.judging.multibody import AssemblyError, Multibody
-from tests.nightly.judging.planting import Plan, pick, planted, planted_in_two, unit_kind
-from tests.nightly.judging.turning import DEGREE, RPM, Turning
+from tests.nightly.judging.planting import DEGREE, RPM, Plan, Turning, pick, planted, planted_in_two, unit_kind
 
 ROOT, OWN = Path(__file__).parents[3], Path(__file__).parent
 CATALOGUE, FOREIGN = ROOT / "analytic/catalogue", ROOT / "tests/comparisons/filejudge/foreign"

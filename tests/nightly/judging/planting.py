@@ -10,7 +10,34 @@ from typing import Any
 import numpy as np
 
 from tests.nightly.judging.multibody import AssemblyError
-from tests.nightly.judging.turning import DEGREE, LAWS, RPM, Turning
+
+RPM, DEGREE = np.pi / 30.0, np.pi / 180.0
+LAWS = ("run-up", "run-up-cubic", "run-up-quintic")
+
+
+@dataclass(frozen=True)
+class Turning:
+    """The crank from a start angle to a speed in a ramp's time, or at once: rad, s."""
+
+    law: str
+    speed: float
+    start: float
+    ramp: float
+    duration: float
+
+    def __call__(self, time):
+        """Angle, speed and acceleration (n,), rad, s."""
+        if self.law == "constant-speed":
+            return self.start + self.speed * time, np.full(len(time), self.speed), np.zeros(len(time))
+        x, late = np.clip(time / self.ramp, 0.0, 1.0), np.maximum(time - self.ramp, 0.0)
+        angle, speed, acceleration = {
+            "run-up": (x**2 / 2, x, np.where((x < 1.0) & (time >= 0.0), 1.0, 0.0)),
+            "run-up-cubic": (x**3 - x**4 / 2, 3 * x**2 - 2 * x**3, 6 * x - 6 * x**2),
+            "run-up-quintic": (2.5 * x**4 - 3 * x**5 + x**6, 10 * x**3 - 15 * x**4 + 6 * x**5, 30 * (x - x**2) ** 2),
+        }[self.law]
+        turned = self.start + self.speed * (self.ramp * angle + late)
+        return turned, self.speed * speed, self.speed * acceleration / self.ramp
+
 
 UNITS = {  # SI values of the units that a column of a kind may be in, whatever its header says
     "angle": (1.0, DEGREE), "omega": (1.0, DEGREE, RPM, 2.0 * np.pi), "Mkr": (1.0, 1e-3, 0.1129848290276),
