@@ -201,13 +201,7 @@ def times(seconds):
 def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
     """A sweep from the step ``first``, s, down, each step ``ratio`` times finer and dearer."""
     return [
-        row(
-            step=first / ratio**k,
-            steps_per_turn=ratio**k,
-            error_max=error,
-            **times(cost * ratio**k),
-            **changes,
-        )
+        row(step=first / ratio**k, steps_per_turn=ratio**k, error_max=error, **times(cost * ratio**k), **changes)
         for k, error in enumerate(errors)
     ]
 

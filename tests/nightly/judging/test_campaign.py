@@ -13,8 +13,7 @@ OTHERS = [(kind, number) for kind in ("clean", "fault") for number in (6, 17, 44
 
 
 @pytest.mark.parametrize(
-    ("kind", "number"),
-    [*USUAL, *(pytest.param(*one, marks=pytest.mark.nightly) for one in OTHERS if one not in USUAL)],
+    ("kind", "number"), [*USUAL, *(pytest.param(*one, marks=pytest.mark.nightly) for one in OTHERS if one not in USUAL)]
 )
 def test_the_fault_is_named_first_and_none_in_a_clean_file(kind, number):
     export = case(SEED, number, int(kind == "fault"))

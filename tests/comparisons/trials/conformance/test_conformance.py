@@ -169,10 +169,7 @@ def test_engine(check):
 
 @pytest.mark.parametrize(
     ("expected", "outcome"),
-    [
-        ({}, {"failed": 1}),
-        ({"silence": "it prints", "repetition": "once"}, {"failed": 1, "xfailed": 1}),
-    ],
+    [({}, {"failed": 1}), ({"silence": "it prints", "repetition": "once"}, {"failed": 1, "xfailed": 1})],
 )
 def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure_passes(pytester, expected, outcome):
     pytester.makepyfile(SUITE.format(expected=expected))

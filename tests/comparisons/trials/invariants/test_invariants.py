@@ -17,13 +17,7 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case, case_of_file_regime
 from comparisons.trials.invariants.checks import _judge_signal, checks, closure, crank_phase, energy_balance, joint_gaps
-from comparisons.trials.invariants.corrections import (
-    LEVELS,
-    AssurGroups,
-    Corrected,
-    speed_errors,
-    undissipated_error,
-)
+from comparisons.trials.invariants.corrections import LEVELS, AssurGroups, Corrected, speed_errors, undissipated_error
 from comparisons.trials.invariants.inspection import Inspection
 from comparisons.trials.judging.limits import limit
 from comparisons.trials.judging.records import Verdict, run_of

@@ -81,23 +81,11 @@ def _run(sweep, results):
         (math.inf, [_made(10.0**-k) for k in range(9)], 9, "the sweep ends here"),
         (math.inf, [_made(10.0 ** -min(k, 5)) for k in range(9)], 8, "two refinements in a row"),
         (math.inf, [_made(1e-3, also=10.0**-k) for k in range(9)], 9, "the sweep ends here"),
-        (
-            0.1,
-            [_made(10.0**-k, seconds=1e-3 * 2**k) for k in range(9)],
-            7,
-            "would take about 0.13 s, over 0.1 s",
-        ),
+        (0.1, [_made(10.0**-k, seconds=1e-3 * 2**k) for k in range(9)], 7, "would take about 0.13 s, over 0.1 s"),
         (0.1, [_made(10.0**-k, setup=0.2) for k in range(9)], FEWEST, "over 0.1 s"),
         (0.3, [_made(10.0**-k, 0.2 if k == 2 else 1e-3 * 2**k) for k in range(9)], 9, "the sweep ends here"),
     ],
-    ids=[
-        "last-step",
-        "no-gain",
-        "other-gains",
-        "dear",
-        "set-up",
-        "one-slow",
-    ],
+    ids=["last-step", "no-gain", "other-gains", "dear", "set-up", "one-slow"],
 )
 def test_a_sweep_takes_six_steps_and_goes_on_while_it_pays(budget, results, count, ended):
     sweep = _sweep(budget)
@@ -269,12 +257,9 @@ class KnownEngine:
     def error(self, method, step):
         """The error a method has at a step, over the peak."""
         h = step * 12.0 * self.motion.peak_speed / (2.0 * np.pi)
-        return {
-            "first": SIZE * h,
-            "second": SIZE * h**2 + 3e-5,
-            "fourth": SIZE * h**4 + 1e-8 / h,
-            "wrong": 0.05,
-        }[method.name]
+        return {"first": SIZE * h, "second": SIZE * h**2 + 3e-5, "fourth": SIZE * h**4 + 1e-8 / h, "wrong": 0.05}[
+            method.name
+        ]
 
     def _finished(self, step, error, details, runs):
         time = np.arange(0.0, self.motion.duration, step)
