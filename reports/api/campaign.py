@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,12 +23,12 @@ from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.exported_run import exported
 from comparisons.trials.judging.changes import Change, read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
-from comparisons.trials.judging.records import Error, RunRecord
+from comparisons.trials.judging.records import Error
 from comparisons.trials.runs.cluster import DaskPool
 from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.plugins import engines as adapters
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, RunBounds
-from comparisons.trials.runs.workers import LocalPool, Pool, most_processes
+from comparisons.trials.runs.workers import LocalPool, most_processes
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.api.folders import stored_runs
@@ -165,13 +165,8 @@ class RunResources:
     scheduler: str | None = None
 
     @property
-    def pool(self) -> Pool:
-        """The worker processes, of this machine or of a Dask scheduler."""
-        return LocalPool(self.processes) if self.scheduler is None else DaskPool(self.scheduler)
-
-    @property
-    def lasting_pool(self) -> LocalPool | DaskPool:
-        """The same for list after list of runs."""
+    def pool(self) -> LocalPool | DaskPool:
+        """The worker processes, of this machine or of a Dask scheduler, for list after list of runs."""
         return LocalPool(self.processes, lasts=True) if self.scheduler is None else DaskPool(self.scheduler)
 
 
@@ -214,78 +209,56 @@ def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTab
     if limits is None:
         return shipped_limits()
     chosen = read_limits(limits)
-
-    def known() -> Iterator[LinkageFile]:
-        yield from files
-        yield from _neighbours(files)
-
-    check_named(chosen, lambda: _mechanism_names(known()), lambda: _regime_names(known()))
+    names = [*(file.name for file in _with_neighbours(files)), *known_names()]
+    check_named(chosen, lambda: names, lambda: [name for file in _with_neighbours(files) for name in _regimes(file)])
     return chosen
 
 
-def _neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
-    """The linkages in the same folders, which a limit may name, too."""
+def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
+    """The linkages of a comparison and those in the same folders, which a limit may name, too."""
+    yield from named
     for folder in dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known):
         for path in sorted(folder.glob("*.toml")):
             with suppress(LinkproofError):  # another file of the folder need not be a linkage
                 yield read(path)
 
 
-def _mechanism_names(known: Iterable[LinkageFile]) -> list[str]:
-    return [*(file.name for file in known), *known_names()]
+def _regimes(file: LinkageFile) -> list[str]:
+    with suppress(LinkproofError):
+        return [regime.name for regime in file.linkage().regimes]
+    return []
 
 
-def _regime_names(known: Iterable[LinkageFile]) -> list[str]:
-    names = []
-    for file in known:
-        with suppress(LinkproofError):
-            names += [regime.name for regime in file.linkage().regimes]
-    return names
+def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen, command: str) -> Comparison:
+    """Make the runs that the call of a ``function`` asks for, and judge them; its folder keeps the runs.
 
-
-@dataclass(frozen=True)
-class Campaign:
-    """A comparison whose names are all known: ``command`` repeats it.
-
-    ``before`` are the rows that its results are compared with. ``every_variant``: no variant is chosen, so that figures
-    are those of all.
+    ``command`` repeats it. Raises LinkproofError for bad input before any run.
     """
-
-    request: CampaignRequest
-    limits: LimitTable
-    resources: RunResources
-    before: Sequence[Error] | None
-    every_variant: bool
-    command: str
-
-    def compared(self, function: Callable[..., Any], given: Mapping[str, Any]) -> Comparison:
-        """Make the runs, and judge them; the call of the ``function`` names the folder that keeps them."""
-        asked, todo, folder = self.request, tasks(self.request), given["out"]
-        others = ("bounds", "limits", "against")
-        with stored_runs(function, given, asked.engines, asked.linkages, others) as (finished, announce):
-            bounds, pool = self.resources.bounds, self.resources.pool
+    motion, folder, resources = given["motion"], given["out"], run_resources(given["bounds"])
+    asked = request(chosen.linkages, motion, given["engine"], given["setting"], given["quantity"])
+    limits, todo = chosen_limits(chosen.files, given["limits"]), tasks(asked)
+    before = None if given["against"] is None else rows_before(given["against"])
+    every_variant = motion.variant is None and motion.gravity  # figures are those of all
+    others = ("bounds", "limits", "against")
+    with stored_runs(function, given, asked.engines, asked.linkages, others) as (finished, announce):
+        with closing(resources.pool) as pool:
             runs = run_campaign(
-                asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=self.limits
+                asked, announce, bounds=resources.bounds, pool=pool, finished=finished, todo=todo, limits=limits
             )
-            table = self._document(runs, is_saved=folder is not None)
-            if folder is not None:
-                save(folder, table, runs)
-        remark = "" if given["engine"] else missing_engines(asked.engines)
-        result = Comparison(CampaignResults(table, runs)) if folder is None else Comparison.load(folder)
-        return replace(result, processes=self.resources.processes, remark=remark)
-
-    def _document(self, runs: Sequence[RunRecord], *, is_saved: bool) -> dict[str, Any]:
-        """Everything but the runs, JSON-ready; of more than one run, how many are made side by side."""
-        readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(self.request.engines)}
-        table = document(self.request, self.command + (" --out DIR" if is_saved else ""), readouts)
-        figures, changed = closed_form(self.request, every_variant=self.every_variant), tuple[Change, ...]()
-        if self.before is not None:
+        figures, changed = closed_form(asked, every_variant=every_variant), tuple[Change, ...]()
+        if before is not None:
             rows = (*(error for run in runs for error in run.every), *figures)
-            changed = changes_since(self.before, rows, self.request, every_variant=self.every_variant)
-        beside = min(self.resources.processes, len(runs))
-        concurrent = {CONCURRENT_RUNS: str(beside)} if beside > 1 else {}
-        judged = judgement(self.limits, figures, changed)
-        return {**table, **judged, "environment": table["environment"] | concurrent}
+            changed = changes_since(before, rows, asked, every_variant=every_variant)
+        readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(asked.engines)}
+        table = document(asked, command + (" --out DIR" if folder else ""), readouts)
+        if min(resources.processes, len(runs)) > 1:
+            table["environment"][CONCURRENT_RUNS] = str(min(resources.processes, len(runs)))
+        table |= judgement(limits, figures, changed)
+        if folder is not None:
+            save(folder, table, runs)
+    remark = "" if given["engine"] else missing_engines(asked.engines)
+    result = Comparison(CampaignResults(table, runs)) if folder is None else Comparison.load(folder)
+    return replace(result, processes=resources.processes, remark=remark)
 
 
 def script(asked: CampaignRequest, file: Path, command: str) -> Script:

@@ -233,9 +233,10 @@ def sweep(
     >>> linkproof.sweep("rimoldi-164", {"rod.B.x": [170, 180]}, "stroke").dataset["stroke"].values.round(3)
     array([31.349, 30.651])
     """
+    from comparisons.designer.sweep import given_designs, lazy_dataset
     from comparisons.designer.sweep import sweep as sweep_space
     from reports.api.linkages import resolve
-    from reports.api.steady import given_designs, lazy_dataset, steady_case, sweep_request
+    from reports.api.steady import steady_case, sweep_request
     from reports.studies.designs import LazySweep, Sweep
 
     chosen, mechanism, motion = resolve(mechanism, motion)

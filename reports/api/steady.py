@@ -5,12 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED, without
 from analytic.description.law import FULL_TURN
@@ -22,29 +18,19 @@ from comparisons.designer.figures import NEGLIGIBLE
 from comparisons.designer.optimisation import OptimisationRequest, Optimum
 from comparisons.designer.parameters import (
     SAMPLES,
-    Parameter,
     SteadyCase,
     case_at_speed,
     mass_words,
     named_figures,
-    parameter,
 )
 from comparisons.designer.sweep import (
     MOST,
     DesignSpace,
     SweepRequest,
-    figures_of_file,
-    labelled_dataset,
-    parameter_range,
-    read_table,
-    sweep_block,
     usual_figures,
 )
 from reports.api.motions import requested_case
 from reports.api.options import Ranges, SteadyMotion, option_words, range_word
-
-if TYPE_CHECKING:
-    import xarray
 
 
 def steady_case(
@@ -83,75 +69,6 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
         )
     conditions = case.conditions + mass_words(linkage, (parameter.name for parameter in space.parameters))
     return SweepRequest(replace(case, conditions=conditions), space, figures, refine)
-
-
-Array = NDArray[np.float64]
-
-
-def given_designs(linkage: Linkage, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
-    """The grid of ``vary``, or the list of ``table``; of Dask arrays a space of one design, and the arrays by name.
-
-    Raises LinkproofError for bad input.
-    """
-    if bool(vary) == (table is not None):
-        got = "both" if vary else "neither"
-        raise LinkproofError(
-            f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: give one of the two"
-        )
-    if isinstance(table, str | Path):
-        return read_table(Path(table), linkage), None
-    if not isinstance(vary, Mapping) and table is None:
-        numbers, columns = zip(*(parameter_range(linkage, text) for text in vary), strict=True)
-        return DesignSpace(numbers, columns), None
-    given = vary if table is None else table
-    values = {str(name): _check_values(str(name), given[name]) for name in given}
-    parts = tuple(parameter(linkage, name) for name in values)
-    if any(map(_is_dask_array, values.values())):
-        return _design_space(parts, [np.zeros(1)] * len(parts), is_list=table is not None), values
-    return _design_space(parts, [*values.values()], is_list=table is not None), None
-
-
-def _is_dask_array(values: object) -> bool:
-    return hasattr(values, "__dask_graph__")
-
-
-def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
-    """Values of a parameter; raises LinkproofError if they are not a list of finite numbers."""
-    data = getattr(given, "data", given) if hasattr(given, "dims") else given  # of a DataArray
-    values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
-    if len(values.shape) != 1 or values.shape == (0,) or not (_is_dask_array(values) or np.all(np.isfinite(values))):
-        raise LinkproofError(f"{name}: expected a flat list of finite numbers, got {values!r:.60}; pass such a list")
-    return values
-
-
-def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_list: bool) -> DesignSpace:
-    if is_list and len({len(value) for value in values}) > 1:
-        raise LinkproofError(
-            f"table: expected columns of one length, got {[len(value) for value in values]}; correct it"
-        )
-    return DesignSpace(parts, tuple(values), is_list)
-
-
-def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dataset:
-    """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks."""
-    import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
-
-    figures_of_file(request)  # raises LinkproofError for figures that no design has
-    shape = request.space.shape
-    over = [0] * len(values) if request.space.is_list else range(len(shape))
-    arrays = [value if _is_dask_array(value) else da.from_array(value, chunks=-1) for value in values.values()]
-    pairs = [part for array, axis in zip(arrays, over, strict=True) for part in (array, (axis,))]
-    figures = da.blockwise(
-        partial(_compute_chunk, request), (len(shape), *range(len(shape))), *pairs,
-        new_axes={len(shape): len(request.figures)}, dtype=float, meta=np.empty((0,) * (len(shape) + 1)),
-    )  # fmt: skip
-    return labelled_dataset(request, values, figures)
-
-
-def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
-    """The figures of one chunk of designs, in the form that Dask joins."""
-    space = _design_space(request.space.parameters, values, is_list=request.space.is_list)
-    return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
 
 
 def optimisation_request(

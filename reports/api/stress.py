@@ -34,11 +34,12 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any], comma
                 if len(named) < len(words)
                 else "--out takes whole maps: name axes, or leave it out"
             )
-        made = make_cells([find_cell(name) for name in named], where.pool)
+        with closing(where.pool) as pool:
+            made = make_cells([find_cell(name) for name in named], pool)
         return StabilityMaps(Stress({"command": command, "environment": {}, "quick": False}, made), are_cells=True)
     axes, engines, folder = chosen_axes(words), requested_engines(given["engine"]), given["out"]
     chosen = cells(axes, engines, given["setting"], quick=given["quick"])
-    with closing(where.lasting_pool) as pool, stored_runs(function, given, engines) as (finished, announce):
+    with closing(where.pool) as pool, stored_runs(function, given, engines) as (finished, announce):
         maps = make_maps(chosen, command, quick=given["quick"], announce=announce, finished=finished, pool=pool)
         if folder is not None:
             save(folder, maps)

@@ -170,19 +170,13 @@ def compare(
     check_files(record, junit)
     if is_finished and out is not None:
         return Comparison.load(out).with_files(record, junit)
-    linkages, files, mechanisms = campaign.chosen_linkages(mechanisms, motion)
-    request = campaign.request(linkages, motion, engine, setting, quantity)
+    chosen = campaign.chosen_linkages(mechanisms, motion)
+    mechanisms = chosen.words
     if script is not None:
+        request = campaign.request(chosen.linkages, motion, engine, setting)
         return campaign.script(request, script, command_line(compare, locals()))
-    asked = campaign.Campaign(
-        request,
-        campaign.chosen_limits(files, limits),
-        campaign.run_resources(bounds),
-        None if against is None else campaign.rows_before(against),
-        every_variant=motion.variant is None and motion.gravity,
-        command=command_line(compare, locals()),
-    )
-    return asked.compared(compare, locals()).with_files(record, junit)
+    result = campaign.comparison(compare, locals(), chosen, command_line(compare, locals()))
+    return result.with_files(record, junit)
 
 
 @checked

@@ -76,7 +76,7 @@ def watch(
 
     The page is built anew when the file changes in an editor. The file is written only by a click on the page.
     """
-    from reports.command_line import watch
+    from reports import watch
 
     watch.watch(mechanism, motion, opens=opens)
 

@@ -40,8 +40,9 @@ class CommandGroup(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
         """The command of the first word; raises LinkproofError for one that is gone."""
-        if args[0] not in self.commands and not ctx.resilient_parsing and args[0] in gone.COMMANDS:
-            raise LinkproofError(gone.answer_to_command(args[0]))
+        answer = "" if args[0] in self.commands or ctx.resilient_parsing else gone.answer_to_command(args[0])
+        if answer:
+            raise LinkproofError(answer)
         return super().resolve_command(ctx, args)
 
     def get_help(self, ctx: click.Context) -> str:
@@ -101,13 +102,14 @@ def study_command(
     files = [option for name, option in output.items() if name in offers and name not in taken]
     titled["Output"] = (*(declared_options(form) if form else ()), *files)
     sections = {option.field.name: title for title, options in titled.items() for option in options}
-    sections |= dict.fromkeys(taken & {*output}, "Output")
+    sections |= dict.fromkeys(taken & {"out"}, "Output")
     every = [*own, *bags, *titled["Output"]]
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
 
-        out, choice = option_bag(Destination, words), None if form is None else option_bag(form, words)
+        out = option_bag(Destination, {name: words[name] for name in words if name in offers or name == "out"})
+        choice = None if form is None else option_bag(form, words)
         given = {option.field.name: _value(option, words[option.field.name]) for option in own}
         out.prepare(study, _read(own, given), choice)
         given |= {each: option_bag(kind, words) for each, kind in groups.items()}
