@@ -85,7 +85,13 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize(("dataset", "count"), CASES.values(), ids=CASES)
+USUAL = ("four maps", "eleven parallel", "nothing assembles, table")
+
+
+@pytest.mark.parametrize(
+    ("dataset", "count"),
+    [pytest.param(*case, id=name, marks=() if name in USUAL else pytest.mark.nightly) for name, case in CASES.items()],
+)
 def test_panels_are_counted_and_no_words_touch_or_leave_the_figure(dataset, count):
     figure = drawn(dataset)
     assert len(panels(figure)) == count
