@@ -397,6 +397,13 @@ def test_what_an_engine_does_not_take_is_said_where_it_is_not_installed_too(name
     assert words in (engine(name).obstacle(driven(mechanism(linkage), QUINTIC)) or "")
 
 
+def test_a_scene_is_described_to_drake_in_plain_data_without_drake():
+    given, adapter = driven(mechanism("slotted-takeup"), QUINTIC), engine("drake")
+    model = plain(adapter.model(given, adapter.settings[Prescribed][Setting.TUNED]))
+    assert [name for name, *_ in model["joints"]] == [*(pin.name for pin in given.pins), given.slots[0].name]
+    assert model["dampers"] == [("crank", "ground", 0.0002)]
+
+
 @pytest.mark.parametrize("name", ["direct", "exudyn", "pymunk"])
 def test_unknown_methods_and_empty_steps_are_misuse(name):
     adapter, model = installed(name), driven(mechanism("juki-mf7923d"), BRIEF)
