@@ -142,7 +142,7 @@ def _load_adapter(entry: EntryPoint) -> Engine:
             raise PluginError(f"expected an adapter with {', '.join(CONTRACT)}, got one without {', '.join(lacking)}")
         check_adapter(adapter)
     if adapter.name != entry.name:
-        raise PluginError(f"expected an adapter with the name it is announced by, got {adapter.name!r}")
+        raise PluginError(f"expected an adapter with the name of its entry point, got {adapter.name!r}")
     return adapter
 
 

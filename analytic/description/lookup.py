@@ -158,8 +158,8 @@ def interpolated_law(
             "give the load over the driver's travel, with angle" if reader.phi.is_linear else "add output = { point }"
         )
         raise reader.fail(
-            f"{where}.{key}: expected an output that a turning crank moves, whose travel and direction are meant, got "
-            f"none; {cure}"
+            f"{where}.{key}: expected an output that a turning crank moves, got none, so the load has no "
+            f"travel and no direction; {cure}"
         )
     places, other = (table.travel, "angle") if is_over_travel else (table.angle, "travel")
     if getattr(table, other) is not None or (is_over_travel and places is None):

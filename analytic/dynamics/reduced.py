@@ -286,13 +286,13 @@ def equation_of_motion(
     _check_inertia(mechanism)
     if mechanism.linkage.friction:
         raise LinkproofError(
-            f"'{mechanism.linkage.name}': expected joints without friction, by which a released crank would stick "
-            "and slip; leave friction out, or give the crank a motion"
+            f"'{mechanism.linkage.name}': expected joints without friction, got some with it, and a released crank "
+            "would stick and slip; leave friction out, or give the crank a motion"
         )
     if any(law.when for law in mechanism.linkage.laws):
         raise LinkproofError(
-            f"'{mechanism.linkage.name}': expected loads that the place alone decides, got one with when = ..., and a "
-            "released crank may turn back; leave when out, or give the crank a motion"
+            f"'{mechanism.linkage.name}': expected loads that depend on the position alone, got one with when = ..., "
+            "and a released crank may turn back; leave when out, or give the crank a motion"
         )
     return EquationOfMotion(mechanism, crank_torque(torque), over_time=over_time)
 

@@ -293,8 +293,8 @@ def _check_progress(path: _Path, length: float, longest: float, duration: float,
     time, done = path.time, len(path.starts) - 1
     if path.is_lost(length, longest):
         raise LinkproofError(
-            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at "
-            f"{place(path.angle)}, a dead position or an unbounded speed; shorten the "
+            f"motion: expected a smooth one, got one that cannot be followed beyond t = {time:.6g} s at "
+            f"{place(path.angle)}, where it meets a dead position or its speed grows without bound; shorten the "
             "duration or change the loads"
         )
     if done > MOST_WINDOWS or (done == FIRST_WINDOWS and done * duration > SLOWER * MOST_WINDOWS * time):

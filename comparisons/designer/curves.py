@@ -132,8 +132,8 @@ class Instants:
         if is_outside or not (len(hits) or len(passed)):
             turns = " and whole turns more or less" if self.turns else ""
             raise LinkproofError(
-                f"--at: expected what the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}{turns}"
-                f", got {angle:.6g}{unit}; choose others, or another motion"
+                f"--at: expected values that the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}"
+                f"{turns}, got {angle:.6g}{unit}; choose others, or another motion"
             )
         first = float(time[hits[0]]) if len(hits) else math.inf
         if len(passed) and time[passed[0]] < first:

@@ -200,7 +200,7 @@ def test_a_fault_is_told_with_its_cure(old, new, message):
 def test_a_load_that_nothing_decides_is_refused():
     with pytest.raises(DescriptionError, match="over: expected an output that a turning crank moves"):
         parse((PRESS + EVERY_LOAD).replace("output", "#"), "press", "press.toml")
-    with pytest.raises(LinkproofError, match="expected loads that the place alone decides, got one with when"):
+    with pytest.raises(LinkproofError, match="expected loads that depend on the position alone, got one with when"):
         equation_of_motion(mechanism(EVERY_LOAD))
     swinging = mechanism(EVERY_LOAD).linkage
     longer = with_numbers(swinging, {"crank.A.x": 0.3})

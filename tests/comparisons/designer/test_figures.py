@@ -54,7 +54,7 @@ def test_a_crank_that_turns_back_passes_an_angle_where_it_first_gets_there():
 
 
 def test_what_the_motion_does_not_pass_is_refused_with_its_range():
-    with pytest.raises(LinkproofError, match=r"--at: expected what the motion passes, from 20° to 80°.*got 90°"):
+    with pytest.raises(LinkproofError, match=r"--at: expected values that the motion passes, from 20° to 80°.*got 90°"):
         at(swing("cycloidal", math.radians(20), math.radians(80), speed=1.0), 30, 90)
     with pytest.raises(LinkproofError, match=r"--time: expected instants from 0 to 0.2 s, the motion's, got 0.3"):
         Instants(RUN_UP).checked_times(np.array([0.1, 0.3]))

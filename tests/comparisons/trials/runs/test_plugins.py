@@ -29,7 +29,7 @@ ROWS = {
     "unsendable": ("adapter-error", "texts and finite numbers, got a function"),
     "number": ("adapter-error", "expected a version as text or None, got a float"),
     "unversioned": ("adapter-error", "raised RuntimeError: no version (tests/comparisons/hostile_engines.py, line "),
-    "renamed": ("adapter-error", "expected an adapter with the name it is announced by"),
+    "renamed": ("adapter-error", "expected an adapter with the name of its entry point"),
     "nowhere": ("adapter-error", "the adapter of nowhere raised AttributeError"),
     "missing": ("adapter-error", "No module named 'missing' (announced in missing)"),
     "raising": ("adapter-error", "ValueError: at import (FOLDER/raising.py, line 2)"),

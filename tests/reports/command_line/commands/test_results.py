@@ -69,7 +69,7 @@ def test_a_line_names_what_cannot_be_computed_or_is_numerical(tmp_path, engine):
 
 FAULTS = [
     ("--time 0.07", "--time: expected instants from 0 to 0.06 s"),
-    ("--at 5 --from 30 --to 60", "--at: expected what the motion passes, from 30° to 60°"),
+    ("--at 5 --from 30 --to 60", "--at: expected values that the motion passes, from 30° to 60°"),
     ("--at 0 --time 0", "--at and --time both choose"),
     ("--save engine.toml/t.csv", "cannot write 'engine.toml/t.csv'"),
     ("--save t.csv --save t.doc", "--save t.doc: the suffix must be one of .csv, .json, .xlsx, .svg, .png, .pdf, .dxf"),
