@@ -12,10 +12,10 @@ import numpy as np
 from analytic.description.law import FULL_TURN
 from analytic.description.written import fixed
 from comparisons.filejudge.fault_ranking import FaultFinding
-from comparisons.filejudge.judge import NEAR_ZERO, SETTING, ImportedJudgement, SignalVerdict
+from comparisons.filejudge.judge import NEAR_ZERO, ImportedJudgement, SignalVerdict
 from comparisons.motion.thinning import extreme_samples
 from comparisons.trials.judging.limits import grouped
-from comparisons.trials.judging.records import Error, RunRecord, Verdict
+from comparisons.trials.judging.records import IMPORTED, Error, RunRecord, Verdict
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
@@ -164,7 +164,7 @@ def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]
     every = {row[1].header: row for row in reversed(judgement.imported.read)}  # a time beside every curve once
     for name, column, _, assumption in reversed(every.values()):
         yield f"'{column.header}' ({column.place})", name, column.unit, assumption
-    for column, reason in judgement.not_judged:
+    for column, reason in judgement.imported.not_judged:
         yield f"'{column.header}' ({column.place})", "not judged", "", reason
 
 
@@ -208,7 +208,7 @@ def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentenc
         "missed_peaks": dict(judgement.missed),
         "not_judged": [
             {"column": column.header, "place": column.place, "reason": reason}
-            for column, reason in judgement.not_judged
+            for column, reason in judgement.imported.not_judged
         ],
     }
 
@@ -217,7 +217,7 @@ def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
     """A judgement as a run: the files stand in an engine's place, and an error's detail names its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
-    run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING, runs=1)
+    run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", IMPORTED, runs=1)
     errors = (verdict.record(run.blank) for verdict in judgement.verdicts)
     return replace(run, errors=tuple(_with_cause(error, judgement) for error in errors))
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Axis = Literal["time", "phi"]
 
+NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
 TIME: Final = "time"  # an axis, which the closed form has under no name of its own
 
 
@@ -87,6 +88,45 @@ class ImportedSignal(SignalTimes):
     column: Column
     unit_value: float = 1.0
     assumption: str = ""
+
+
+@dataclass(frozen=True)
+class Evidence(SignalTimes):
+    """A column of a file beside the closed form: ``values`` and ``truth`` (n,) at its times.
+
+    The file leaves ``rounding`` (n,) open. A cause need not explain samples that are not ``counted``; ``over`` are
+    those that are off even so. ``scale`` is the size over which errors are stated; words are in ``unit``, a signal of
+    the kind is in the unit ``si``, and the column's header states a unit of the SI value ``header``.
+    """
+
+    values: Array
+    truth: Array
+    rounding: Array
+    counted: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    scale: float
+    unit: str
+    unit_value: float = 1.0
+    si: str = ""
+    header: float = 1.0
+
+    def thinned(self, most: int, worst: int = 0) -> Evidence:
+        """The evidence at ``most`` samples or fewer, equally spread, and at the ``worst`` few of more."""
+        few = np.arange(0, len(self.time), -(-len(self.time) // most))
+        if worst and len(few) < len(self.time):
+            few = np.union1d(few, np.argsort(np.nan_to_num(np.abs(self.residual)))[-worst:])
+        parts: dict[str, Any] = {k: v[few] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
+        return replace(self, **parts)
+
+    @property
+    def tolerance(self) -> Array:
+        """The difference that a cause need not explain, (n,)."""
+        return np.asarray(self.rounding + NEGLIGIBLE * self.scale)
+
+    @property
+    def residual(self) -> Array:
+        """Value less truth over the tolerance, (n,), nan where nothing is compared."""
+        return np.where(self.counted, (self.values - self.truth) / self.tolerance, np.nan)
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,7 @@ LAST_BITS: Final = 1e-6  # of the rounding: the last bits of a number
 DEGREE: Final = 5
 MOST_FITTED: Final = 10_000  # samples to which a spline is fitted
 MANY_SAMPLES: Final = 1000  # of so many the sixth differences are noise
+COLUMN: Final = "column"
 CORNERS: Final = "constant accelerations"
 CORNER: Final = 0.1  # of the fastest change of the acceleration: where it may jump
 MOST_CORNERS: Final = 8
@@ -110,16 +111,14 @@ class _Samples:
         return [replace(self, values=self.values + off * within) for off in (*random, *slow)]
 
 
-def motion_of_angles(time: Array, angle: Array, resolution: Array, name: str = "column") -> ColumnMotion:
+def motion_of_angles(time: Array, angle: Array, resolution: Array) -> ColumnMotion:
     """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution."""
-    return _motion(_samples(time, angle, resolution, of_speed=False), 0.0, name)
+    return _motion(_samples(time, angle, resolution, of_speed=False), 0.0)
 
 
-def motion_of_speeds(
-    time: Array, speed: Array, resolution: Array, start_angle: float = 0.0, name: str = "column"
-) -> ColumnMotion:
+def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: float = 0.0) -> ColumnMotion:
     """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
-    return _motion(_samples(time, speed, resolution, of_speed=True), start_angle, name)
+    return _motion(_samples(time, speed, resolution, of_speed=True), start_angle)
 
 
 def _samples(time: Array, values: Array, resolution: Array, *, of_speed: bool) -> _Samples:
@@ -130,14 +129,14 @@ def _samples(time: Array, values: Array, resolution: Array, *, of_speed: bool) -
     return _Samples(time, values, np.maximum(resolution, FINEST_ROUNDING * coarsest), of_speed)
 
 
-def _motion(samples: _Samples, start_angle: float, name: str) -> ColumnMotion:
+def _motion(samples: _Samples, start_angle: float) -> ColumnMotion:
     """The motion of a column: a known one if there is any within its rounding, else a spline."""
     known = known_fit(samples)
     if known is not None:
         fits = (known, *known.likewise())
         first, *others = (fit.motion(start_angle) for fit in fits)
         return ColumnMotion(first.regime, first.segments, tuple(others))
-    return _splines(samples, start_angle, name)
+    return _splines(samples, start_angle)
 
 
 # Known motions: run-ups and swings, which have a time of the ramp or of one way, a size and a start.
@@ -288,7 +287,7 @@ def _fit_with_time(samples: _Samples, family: str, time: float) -> KnownFit:
 # Any other motion: a spline, of the second degree where accelerations are constant but for jumps, as a servo's.
 
 
-def _splines(samples: _Samples, start_angle: float, name: str) -> ColumnMotion:
+def _splines(samples: _Samples, start_angle: float) -> ColumnMotion:
     """The motion as a spline, with those of other columns that would be printed the same."""
     noise = samples.rounding
     if len(samples.time) > MANY_SAMPLES:  # of a smooth column so finely sampled these differences are its noise
@@ -298,7 +297,7 @@ def _splines(samples: _Samples, start_angle: float, name: str) -> ColumnMotion:
     degree = min(DEGREE, len(few.time) - 1)
     smooth = _smooth(few, degree)
     corners = _corners(few, smooth)
-    knots, degree, name = (smooth.t, degree, name) if corners is None else (corners, 2 - few.of_speed, CORNERS)
+    knots, degree, name = (smooth.t, degree, COLUMN) if corners is None else (corners, 2 - few.of_speed, CORNERS)
     columns = (few, *few.trials(few.rounding))
     curves = [
         scipy.interpolate.make_lsq_spline(few.time, column.values, knots, degree, w=1.0 / few.rounding)

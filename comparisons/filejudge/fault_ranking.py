@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.signals import MAGNITUDE
-from comparisons.filejudge.columns import Correction, ImportedSignal
+from comparisons.filejudge.columns import Correction, Evidence, ImportedSignal
 from comparisons.filejudge.hypotheses import (
     ZERO_ANGLE,
-    Evidence,
     FaultKind,
     Hypothesis,
     Numbers,

@@ -23,7 +23,7 @@ from analytic.description.units import Kind, factor
 from analytic.description.walk import Number
 from analytic.description.written import fixed, kind_unit, signed
 from analytic.signals import unit as si_unit
-from comparisons.filejudge.columns import ImportedSignal, SignalTimes
+from comparisons.filejudge.columns import Evidence, ImportedSignal
 from comparisons.filejudge.headers import MISTAKEN_UNITS
 from comparisons.filejudge.simulation import CRANK, INCOMPLETE, LINKAGE, MODES, MOTION, Simulation, Values, is_rotary
 
@@ -43,7 +43,6 @@ MOST_PACES: Final = 150
 MOST_LOAD_NUMBERS: Final = 8  # of one load: of a longer table no number is a fault of its own
 MOST_POINTS: Final = 60  # of a linkage whose distances are tried one by one
 NO_FRICTION: Final = 1e-2  # of what counts as a change: what is smaller is not named
-NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
 PHASE_CAPTURE: Final = 0.7  # rad, from which a fit finds the phase
 QUARTER_TURNS: Final = (0.5 * math.pi, -0.5 * math.pi, math.pi)
 SHORTEST_RAMP: Final = 1e-9  # s, of a ramp
@@ -135,45 +134,6 @@ def _slip_words(si: str, k: float) -> str:
 
 
 # The columns of a file: sign, unit, zero, clock, single samples, another quantity.
-
-
-@dataclass(frozen=True)
-class Evidence(SignalTimes):
-    """A column of a file beside the closed form: ``values`` and ``truth`` (n,) at its times.
-
-    The file leaves ``rounding`` (n,) open. A cause need not explain samples that are not ``counted``; ``over`` are
-    those that are off even so. ``scale`` is the size over which errors are stated; words are in ``unit``, a signal of
-    the kind is in the unit ``si``, and the column's header states a unit of the SI value ``header``.
-    """
-
-    values: Array
-    truth: Array
-    rounding: Array
-    counted: NDArray[np.bool_]
-    over: NDArray[np.bool_]
-    scale: float
-    unit: str
-    unit_value: float = 1.0
-    si: str = ""
-    header: float = 1.0
-
-    def thinned(self, most: int, worst: int = 0) -> Evidence:
-        """The evidence at ``most`` samples or fewer, equally spread, and at the ``worst`` few of more."""
-        few = np.arange(0, len(self.time), -(-len(self.time) // most))
-        if worst and len(few) < len(self.time):
-            few = np.union1d(few, np.argsort(np.nan_to_num(np.abs(self.residual)))[-worst:])
-        parts: dict[str, Any] = {k: v[few] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
-        return replace(self, **parts)
-
-    @property
-    def tolerance(self) -> Array:
-        """The difference that a cause need not explain, (n,)."""
-        return np.asarray(self.rounding + NEGLIGIBLE * self.scale)
-
-    @property
-    def residual(self) -> Array:
-        """Value less truth over the tolerance, (n,), nan where nothing is compared."""
-        return np.where(self.counted, (self.values - self.truth) / self.tolerance, np.nan)
 
 
 def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:

@@ -13,7 +13,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
 from analytic.signals import names, table, unit
-from comparisons.filejudge.columns import Column, Correction, ImportedResults, ImportedSignal, SignalTimes
+from comparisons.filejudge.columns import Correction, Evidence, ImportedResults, ImportedSignal, SignalTimes
 from comparisons.filejudge.crank_column import (
     SPREAD,
     ColumnMotion,
@@ -23,10 +23,10 @@ from comparisons.filejudge.crank_column import (
     unwrap_angles,
 )
 from comparisons.filejudge.fault_ranking import Explanation, explain, proposals
-from comparisons.filejudge.hypotheses import Evidence
 from comparisons.filejudge.simulation import CRANK, JUMPING, MOTION, Simulation
 from comparisons.motion.case import DriverMotion
-from comparisons.trials.judging.quantities import Deviation, near_jump, near_jumps
+from comparisons.motion.thinning import stored_curve
+from comparisons.trials.judging.quantities import near_jump, near_jumps
 from comparisons.trials.judging.records import IMPORTED, Error, Verdict
 
 Array = NDArray[np.float64]
@@ -34,12 +34,10 @@ Array = NDArray[np.float64]
 NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 
 MOST_FLOORS: Final = 5000  # instants at which it is worked out what the rounding of times and angles leaves open
-FEWEST: Final = 2  # samples of a signal that can be judged
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
 FEWEST_OF_NOISE: Final = 30  # samples that tell noise from a trend,
 LAGS: Final = (1, 2, 3)  # by its correlation with the next samples,
 SURE: Final = 4.0  # within so many standard deviations
-SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
 
 
 def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth: Sequence[Array]) -> list[Array]:
@@ -96,7 +94,6 @@ DEFAULT_LIMIT: Final = 0.01
 # A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes
 # zero has no peak of its own.
 NEAR_ZERO: Final = 0.01
-SETTING: Final = IMPORTED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,12 +161,9 @@ class SignalVerdict(Evidence):
             "digits, or say how it moves with --regime"
         )
 
-    def deviation(self, motion: DriverMotion) -> Deviation:
-        """The curves of the signal, which a campaign keeps beside its record."""
-        return Deviation(
-            self.time, motion.angle(self.time), self.values, self.truth, self.scale, self.error_max, self.error_rms,
-            self.worst_time, int(np.sum(self.counted)), self.left_out,
-        )  # fmt: skip
+    def curve(self, motion: DriverMotion) -> NDArray[np.float32]:
+        """The curve of the signal, which a campaign keeps beside its record."""
+        return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:
         """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
@@ -190,25 +184,13 @@ class SignalVerdict(Evidence):
         )
 
 
-def judge_signals(
-    model: Simulation,
-    signals: Sequence[ImportedSignal],
-    truth: Sequence[Array],
-    floors: Sequence[Array],
-    limit: float,
-) -> list[SignalVerdict]:
-    """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
-    scales = natural_scales(model, signals, truth)
-    return [
-        _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
-        for signal, values, open_, natural in zip(signals, truth, floors, scales, strict=True)
-    ]
-
-
 def _judge_signal(
     model: Simulation, signal: ImportedSignal, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``."""
+    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``.
+
+    At a jump of the crank's acceleration a sample may be off by the jump besides.
+    """
     si, jump = unit(signal.name, model.linkage), jump_sizes(model, signal)
     in_file, counted = file_unit(si, model.linkage), jump == 0.0
     peak, least = float(np.max(np.abs(truth[counted] if counted.any() else truth))), NEAR_ZERO * natural
@@ -265,7 +247,6 @@ class ImportedJudgement:
     model: Simulation
     verdicts: tuple[SignalVerdict, ...]
     explanation: Explanation
-    not_judged: tuple[tuple[Column, str], ...]
     imported: ImportedResults
     motion_source: str
     limit: float
@@ -318,7 +299,7 @@ def judge(
     model = Simulation(linkage, moved)
     judged = [signal for signal in imported.signals if signal is not crank]
     _check_speed(model, judged, gives_speed=gives_speed)
-    signals = [_over_time(signal, moved) for signal in judged if len(signal.time) >= FEWEST]
+    signals = [_over_time(signal, moved) for signal in judged]
     if not signals:
         reasons = "".join(f"; '{column.header}' is not judged: {why}" for column, why in imported.not_judged)
         raise LinkproofError(
@@ -327,12 +308,15 @@ def judge(
         )
     truth = model.predict(signals)
     signals = [_without_turns(signal, values, linkage) for signal, values in zip(signals, truth, strict=True)]
-    verdicts = judge_signals(model, signals, truth, rounding_floors(model, signals, truth), limit)
+    floors, scales = rounding_floors(model, signals, truth), natural_scales(model, signals, truth)
+    verdicts = [
+        _judge_signal(model, signal, values, open_, limit=limit, natural=natural)
+        for signal, values, open_, natural in zip(signals, truth, floors, scales, strict=True)
+    ]
     return ImportedJudgement(
         model,
         tuple(verdicts),
         explain(model, verdicts, names(model.mechanism), crank),
-        (*imported.not_judged, *((s.column, "a single sample") for s in judged if len(s.time) < FEWEST)),
         imported,
         source,
         limit,
@@ -417,5 +401,5 @@ def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterato
         whole = model.predict([SignalTimes(verdict.name, fine)])[0]
         peak = float(np.max(np.abs(whole)))
         share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
-        if share > SPARSE * verdict.limit and not verdict.near_zero:
+        if share > verdict.limit and not verdict.near_zero:
             yield verdict.name, share

@@ -100,12 +100,12 @@ class Judgement(Study, ImportedJudgement):
             imported.run_of_judgement(self, ", ".join(path.name for path in self.paths)),
             steps=max(len(verdict.truth) for verdict in self.verdicts),
             details={f"cause {n}": each.likeliest.words for n, each in enumerate(self.explanation.findings, start=1)},
-            curves={verdict.name: verdict.deviation(motion).curve for verdict in self.verdicts},
+            curves={verdict.name: verdict.curve(motion) for verdict in self.verdicts},
         )
         motions = (motion,) if isinstance(motion, CrankMotion) else ()
         request = CampaignRequest((linkage,), motions, run.conditions, (run.engine,))
         lines = [*imported.sentences(self), f"The crank's motion is taken from {self.motion_source}."]
-        lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in self.not_judged]
+        lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in self.imported.not_judged]
         curves = [asdict(curve) for curve in imported.judged_curves(self)]
         table = {**saved_document(request, self.command), "judgement": lines, "judged_curves": curves}
         save(Path(folder), table, [run])
