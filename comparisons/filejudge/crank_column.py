@@ -375,9 +375,9 @@ def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
         return at, resolution
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))
     from_zero = float(np.sum(number * at / known**2) / np.sum((number / known) ** 2)) * number
-    for even in (from_zero, np.polyval(np.polyfit(number, at, 1, w=1.0 / known), number)):
-        if np.all(np.abs(even - at) <= SLACK * known):
-            return np.asarray(even), np.full(
-                len(at), float(np.max(np.abs(even - at))) / math.sqrt(len(at)), dtype=float
-            )
-    return at, resolution
+    is_even = bool(np.all(np.abs(from_zero - at) <= SLACK * known))
+    even = from_zero if is_even else np.polyval(np.polyfit(number, at, 1, w=1.0 / known), number)
+    off = np.abs(even - at)
+    if np.any(off > SLACK * known):
+        return at, resolution
+    return np.asarray(even), np.full(len(at), float(np.max(off)) / math.sqrt(len(at)))

@@ -81,7 +81,7 @@ def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
     kind, name = path.suffix.lower(), printable(str(path))
     if kind == ".mat":
-        every = _matlab_tables(name, *_read_isolated(_matlab_curves, path))
+        every = _read_isolated(_matlab_tables, path)
     elif kind in (".xlsx", ".xlsm"):
         sheets = _read_isolated(_workbook_texts, path)
         every = [table for sheet, text in sheets for table in _text_tables(ResultText(f"{name}[{sheet}]", text))]
@@ -447,12 +447,12 @@ def _workbook_texts(path: Path) -> list[tuple[str, str]]:
     ]
 
 
-def _matlab_curves(path: Path) -> tuple[bool, list[tuple[str, NDArray[Any]]]]:
-    """Whether a MATLAB file is a trajectory of Modelica, and the names and values of its curves.
+def _matlab_tables(path: Path) -> list[ResultTable]:
+    """A table of all curves of a length, each as sharp as its numbers are.
 
-    OpenModelica and Dymola write matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is constant) and
-    ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the matrix and the
-    row, with a sign. Other curves are vectors and the columns of matrices.
+    OpenModelica and Dymola write trajectories as matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is
+    constant) and ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the
+    matrix and the row, with a sign. Other curves are vectors and the columns of matrices.
     """
     from scipy.io import loadmat, whosmat  # noqa: PLC0415 - where one is read
 
@@ -473,18 +473,12 @@ def _matlab_curves(path: Path) -> tuple[bool, list[tuple[str, NDArray[Any]]]]:
         columns = array if array.shape[0] == 1 else array.T
         if array.dtype.kind in "fiu" and array.size > 1:
             curves += [(f"{name}({n})" if len(columns) > 1 else name, c) for n, c in enumerate(columns, start=1)]
-    for name, values in curves:
-        if not (np.abs(values.astype(float)) < LARGEST_NUMBER).all():
-            raise ValueError(f"expected finite numbers of '{name}', got others")
-    return is_trajectory, curves
-
-
-def _matlab_tables(name: str, is_trajectory: bool, curves: list[tuple[str, NDArray[Any]]]) -> list[ResultTable]:
-    """A table of all curves of a length, each as sharp as its numbers are."""
     tables: dict[int, list[Column]] = {}
     for header, array in curves:
-        values = array.astype(float)
-        sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(values)
-        column = Column(header, "", values, sharp, f"{name} ({printable(header)})")
-        tables.setdefault(len(values), []).append(column)
-    return [ResultTable(name, 1, is_trajectory, tuple(columns)) for columns in tables.values()]
+        numbers = array.astype(float)
+        if not (np.abs(numbers) < LARGEST_NUMBER).all():
+            raise ValueError(f"expected finite numbers of '{header}', got others")
+        sharp = np.finfo(array.dtype if array.dtype.kind == "f" else float).eps * np.abs(numbers)
+        place = f"{printable(str(path))} ({printable(header)})"
+        tables.setdefault(len(numbers), []).append(Column(header, "", numbers, sharp, place))
+    return [ResultTable(printable(str(path)), 1, is_trajectory, tuple(columns)) for columns in tables.values()]
