@@ -28,8 +28,8 @@ from analytic.kinematics.structure import PUSHED, TURNED, ClosedGroup, DrivenDis
 At = Callable[[Scalar], float]
 Written = Callable[[float], str]
 Shortfall = tuple[str, str]
-Poses = tuple[Pose, Pose]
-Rates = tuple[Rate, Rate]
+Poses = tuple[Any, ...]  # of both links; None stands for a side that is no link
+Rates = tuple[Any, ...]
 
 UNASSEMBLED: Final = "cannot be assembled"
 UNDETERMINED: Final = "is undetermined"
@@ -43,10 +43,11 @@ ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
 class Rod:
     """A link that turns about an outer pin of its host, with an arm of this length, m, in its own frame.
 
-    ``r`` is the vector from the pin to the point that counts, set by the dyad; the rate x is the link's turning.
+    ``r`` is the vector from the pin to the point that counts, and ``x`` the link's turning; the dyad sets both.
     """
 
     r: Pair
+    x: Scalar
 
     def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
         self.near, self.far, self.arm, self.length = outer.near_local, outer.far_local, arm, length
@@ -76,10 +77,9 @@ class Rod:
         self.host_rate, self.base_rate = host, frames.point_rate(self.host, host, self.near)
         return self.base_rate
 
-    def rate(self, link: Pose, x: Scalar) -> Rate:
+    def rate(self, link: Pose) -> Rate:
         """First derivative of the link's pose."""
-        self.x = x
-        return frames.rate_through(link, self.base_rate, x, self.far)
+        return frames.rate_through(link, self.base_rate, self.x, self.far)
 
     @property
     def turning(self) -> Scalar:
@@ -98,7 +98,10 @@ class Rod:
 
 
 class Rail:
-    """A link that slides on its host along ``e``; its point ``local`` counts. The rate x is that of its travel."""
+    """A link that slides on its host along ``e``; its point ``local`` counts. The rate ``x`` is that of its travel."""
+
+    x: Scalar
+    length = 1.0  # of e
 
     def __init__(self, outer: Prismatic, local: Vector) -> None:
         self.along, self.turn, self.local, self.start = outer.along, outer.turn, local, point_on_rail(outer, local)
@@ -124,11 +127,10 @@ class Rail:
         self.host_rate = host
         return frames.carried_rate(self.host, host, point)
 
-    def rate(self, link: Pose, x: Scalar) -> Rate:
+    def rate(self, link: Pose) -> Rate:
         """First derivative of the link's pose: the host carries its origin, and the travel moves it."""
-        self.x = x
         origin = frames.carried_rate(self.host, self.host_rate, (link[0], link[1]))
-        return (*frames.point_along(origin, x, self.e), self.host_rate[2])
+        return (*frames.point_along(origin, self.x, self.e), self.host_rate[2])
 
     @property
     def turning(self) -> Scalar:
@@ -167,16 +169,9 @@ class Strut(Rod):
         """First derivative of its far end if it did not turn: the length grows with φ."""
         return frames.plus(super().carried(host, point), self.u)
 
-    def rate(self, link: None, x: Scalar) -> None:  # type: ignore[override]
-        """Note its turning."""
-        self.x = x
-
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
         """Second derivative of its far end without x', with the Coriolis term of the growing length."""
         return frames.plus(super().carried_twice(host, point), frames.coriolis(self.x, 1.0, self.u))
-
-    def second(self, link: None, slope: Scalar) -> None:  # type: ignore[override]
-        """Nothing follows."""
 
 
 def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
@@ -194,15 +189,17 @@ def _size(a: Pair, b: Pair) -> Scalar:
 class _DyadForm:
     """What is common to all: parallel guides, of which the others know more. ``sign`` picks the assembly mode.
 
-    ``coordinate`` is φ, which the driving cylinder needs as its length. ``determinant`` vanishes in dead positions; its
-    sign is that of the assembly mode.
+    ``coordinate`` is φ, which the driving cylinder needs as its length. ``make_sides`` makes the sides from the joints.
+    ``determinant`` vanishes in dead positions; its sign is that of the assembly mode.
     """
 
     determinant: Scalar
+    make_sides: Callable[[], tuple[Any, ...]]
 
     def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
         self.dyad, self.sign, self.coordinate = dyad, sign, coordinate
         self.joints: tuple[Any, ...] = dyad.joints  # of the kinds that the group's says
+        self.sides = self.make_sides()
 
     @property
     def outer_pins(self) -> str:
@@ -244,17 +241,11 @@ class _DyadForm:
 class _PinDyad(_DyadForm):
     """Two sides that meet in the inner pin C: x₁ d₁ − x₂ d₂ = carried₂ − carried₁.
 
-    ``make_sides`` makes the sides from the joints; ``meet`` finds C, the determinant d₁ × d₂ and the vectors of rods,
-    and returns the links' poses.
+    ``meet`` finds C, the determinant d₁ × d₂ and the vectors of rods, and returns the links' poses.
     """
 
     pin: Pair
-    make_sides: Callable[[], tuple[Any, Any]]
     meet: Callable[[], Poses]
-
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
-        self.sides = self.make_sides()
 
     def poses(self, hosts: Poses) -> Poses:
         """Poses of both links between their hosts; nan where they are undefined."""
@@ -266,22 +257,29 @@ class _PinDyad(_DyadForm):
         """First derivatives of the links' poses from those of the hosts."""
         carried = [side.carried(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         self.scale = frames.inverse(self.determinant)
-        first, second = (
-            side.rate(link, x) for side, link, x in zip(self.sides, links, self._solved(carried), strict=True)
-        )
-        return first, second
+        first, second = self.sides
+        first.x, second.x = self._solved(carried)
+        return tuple(link and side.rate(link) for side, link in zip(self.sides, links, strict=True))
 
     def seconds(self, hosts: Rates, links: Poses) -> Rates:
         """Second derivatives of the links' poses from those of the hosts."""
         carried = [side.carried_twice(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
+        slopes = zip(self.sides, links, self._solved(carried), strict=True)
+        return tuple(link and side.second(link, slope) for side, link, slope in slopes)
+
+    def least_determinant(self) -> Scalar:
+        """That of columns which are parallel but for ``LEAST_SINE``."""
         first, second = self.sides
-        slope, other = self._solved(carried)
-        return first.second(links[0], slope), second.second(links[1], other)
+        return LEAST_SINE * first.length * second.length
 
     def columns(self, links: Poses) -> tuple[Pair, Pair]:
         """Directions of d₁ and d₂, of any length, which are parallel in a dead position."""
         first, second = self.sides
         return first.column(links[0]), second.column(links[1])
+
+    def _bases_size(self) -> Scalar:
+        first, second = self.sides
+        return _size(first.base, second.base)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
         """The unknown rates of both sides, or their slopes."""
@@ -301,12 +299,6 @@ class RRR(_PinDyad):
         first, inner, second = self.joints
         return _rod(first, inner.far_local), _rod(second, inner.near_local)
 
-    @property
-    def lengths(self) -> tuple[Scalar, Scalar]:
-        """|r| and |q|, m."""
-        first, second = self.sides
-        return first.length, second.length
-
     def meet(self) -> Poses:
         """The radicand is a product (Heron), no difference of squares, to stay accurate near dead positions."""
         first, second = self.sides
@@ -322,11 +314,6 @@ class RRR(_PinDyad):
         second.r = frames.minus(self.pin, second.base)
         return first.pose(first.r), second.pose(second.r)
 
-    def least_determinant(self) -> Scalar:
-        """The determinant up to which A, B and C count as in one line."""
-        first, second = self.lengths
-        return LEAST_SINE * first * second
-
     def dead_position(self) -> str:
         """The arms are stretched or folded."""
         first, second = self.sides
@@ -339,9 +326,9 @@ class RRR(_PinDyad):
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
         """The smaller of the arms' sum less AB, and AB less their difference."""
-        first, second = self.lengths
+        first, second = (side.length for side in self.sides)
         gap = self.gap()
-        return np.minimum(first + second - gap, gap - abs(first - second)), _pins_size(self.sides) + first + second
+        return np.minimum(first + second - gap, gap - abs(first - second)), self._bases_size() + first + second
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """The arms' sum, or their difference, becomes the gap."""
@@ -357,8 +344,8 @@ class RRR(_PinDyad):
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The arms are too short for the gap, or one is too long."""
-        dyad, (first, second), other = self.dyad, self.lengths, self.dyad.links[1]
-        gap = at(np.hypot(*frames.minus(self.sides[1].base, self.sides[0].base)))
+        dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
+        gap = at(self.gap())
         links = f"'{dyad.first}' ({written(first)}) and '{other}' ({written(second)})"
         if gap == 0.0:
             fault = UNDETERMINED if first == second else UNASSEMBLED
@@ -387,7 +374,7 @@ class RRP(_PinDyad):
     def meet(self) -> Poses:
         """The arm's component across the line is A's distance from it."""
         rod, rail = self.sides
-        offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))
+        offset = self.offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))
         self.determinant = self.sign * frames.root((rod.length - offset) * (rod.length + offset))
         rod.r = frames.rotated(self.determinant, offset, rail.e)
         self.pin = frames.plus(rod.base, rod.r)
@@ -396,23 +383,14 @@ class RRP(_PinDyad):
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
         return super()._solved(carried[::-1])  # r⊥ × e is −r · e
 
-    def least_determinant(self) -> Scalar:
-        """The determinant up to which the arm counts as square to the line."""
-        return LEAST_SINE * self.sides[0].length
-
     def dead_position(self) -> str:
         """The arm is square to the line."""
         return f"'{self.joints[0].far}' square to the guide of '{self.joints[2].far}'"
 
-    def _distance(self) -> Scalar:
-        """A's distance from the line, m."""
-        rod, rail = self.sides
-        return abs(frames.cross(rail.e, frames.minus(rail.base, rod.base)))
-
     def reach_margin(self) -> tuple[Scalar, Scalar]:
         """Length of the arm less A's distance from the line."""
         length = self.sides[0].length
-        return length - self._distance(), _pins_size(self.sides) + length
+        return length - abs(self.offset), self._bases_size() + length
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """The arm just reaches the line."""
@@ -420,7 +398,7 @@ class RRP(_PinDyad):
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The arm does not reach the line."""
-        dyad, distance, length = self.dyad, at(self._distance()), self.sides[0].length
+        dyad, distance, length = self.dyad, at(abs(self.offset)), self.sides[0].length
         return UNASSEMBLED, (
             f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
             f"'{dyad.links[1]}', {written(distance)} away from '{self.joints[0].point}'; lengthen it or move the "
@@ -451,27 +429,24 @@ class _SlideDyad(_DyadForm):
     ``align`` finds f and the determinant f × d, and returns the pose of the second link.
     """
 
-    side: Any
     f: Pair
+    side: Any
     align: Callable[[], Pose]
     side_column: Callable[[], Pair]
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
-        pin, self.inner, _ = self.joints
-        self.near, self.far = pin.near_local, pin.far_local
-
     def poses(self, hosts: Poses) -> Poses:
         """Poses of both links between their hosts; nan where they are undefined."""
-        self.host, self.pin = hosts[0], frames.point(hosts[0], self.near)
+        (self.side,), (outer, inner, _) = self.sides, self.joints
+        self.host, self.near, self.far = hosts[0], outer.near_local, outer.far_local
+        self.pin = frames.point(self.host, self.near)
         self.side.place(hosts[1])
         second = self.align()
-        direction = frames.rotated(second[2], second[3], self.inner.turn)
+        direction = frames.rotated(second[2], second[3], inner.turn)
         return frames.pose_through(self.pin, direction, self.far), second
 
     def columns(self, links: Poses) -> tuple[Pair, Pair]:
         """Directions of d and f, of any length, which are parallel in a dead position."""
-        return self.side_column(), frames.arm(links[1], self.inner.along)
+        return self.side_column(), frames.arm(links[1], self.joints[1].along)
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:
         """First derivatives of the links' poses from those of the hosts."""
@@ -479,7 +454,8 @@ class _SlideDyad(_DyadForm):
         self.scale = frames.inverse(self.determinant)
         gap = frames.minus(moved, self.side.carried(hosts[1], self.pin))
         self.travel = self.side.moment(gap) * self.scale
-        second = self.side.rate(links[1], frames.cross(self.f, gap) * self.scale)
+        self.side.x = frames.cross(self.f, gap) * self.scale
+        second = self.side.rate(links[1])
         return frames.rate_through(links[0], moved, second[2], self.far), second
 
     def seconds(self, hosts: Rates, links: Poses) -> Rates:
@@ -498,13 +474,11 @@ class RPR(_SlideDyad):
     The determinant is t, A's coordinate along the line from B's foot.
     """
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
-        second = self.joints[2]
-        self.side = Rod(second, self.inner.along, 1.0)
-        self.offset = frames.cross(
-            self.inner.along, frames.minus(point_on_rail(self.inner, self.far), second.far_local)
-        )
+    def make_sides(self) -> tuple[Any]:
+        """The line of the second link, as an arm of unit length."""
+        first, inner, second = self.joints
+        self.offset = frames.cross(inner.along, frames.minus(point_on_rail(inner, first.far_local), second.far_local))
+        return (Rod(second, inner.along, 1.0),)
 
     def align(self) -> Pose:
         """Where A passes through B the direction is left undefined (nan)."""
@@ -563,14 +537,15 @@ class RPR(_SlideDyad):
 class RPP(_SlideDyad):
     """Two lines of one direction each: A = base + x e + t f, with one assembly mode; the determinant is f × e."""
 
-    def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        super().__init__(dyad, sign, coordinate)
-        self.side = Rail(self.joints[2], point_on_rail(self.inner, self.far))
+    def make_sides(self) -> tuple[Any]:
+        """The slide."""
+        first, inner, second = self.joints
+        return (Rail(second, point_on_rail(inner, first.far_local)),)
 
     def align(self) -> Pose:
         """Both directions are the host's; the travel x follows from the vector product with f."""
         rail = self.side
-        self.f = frames.rotated(*frames.turned(rail.host, rail.turn), self.inner.along)
+        self.f = frames.rotated(*frames.turned(rail.host, rail.turn), self.joints[1].along)
         self.determinant = frames.cross(self.f, rail.e)
         gap = frames.minus(self.pin, rail.base)
         travel = frames.cross(self.f, gap) * frames.inverse(self.determinant)
@@ -618,10 +593,6 @@ def _rod(outer: Revolute, inner: Vector) -> Rod:
     """The side between an outer pin and the inner one at this point of the link."""
     arm = frames.minus(inner, outer.far_local)
     return Rod(outer, arm, frames.length(arm))
-
-
-def _pins_size(sides: tuple[Any, Any]) -> Scalar:
-    return _size(sides[0].base, sides[1].base)
 
 
 FORMS: Final[Mapping[str, Callable[[ClosedGroup, Scalar, Scalar], Any]]] = {
