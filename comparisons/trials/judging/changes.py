@@ -27,7 +27,7 @@ CLOSED_FORM: Final = "closed form"
 GROWTH: Final = 3.0  # times its recorded value an error may become
 FLOOR_SHARE: Final = 1e-3  # of its limit: a smaller error is round-off, and may grow
 SAME_FIGURE: Final = 1e-6  # what a figure of the closed form may change by, relative
-Motion = tuple[str, ...]  # mechanism, variant, regime, conditions, and a unit
+MotionUnit = tuple[str, ...]  # mechanism, variant, regime, conditions, and a unit
 ROUNDINGS: Final = 16  # of the largest figure of a unit: a smaller figure counts as zero
 Place = tuple[str, str, str, str, str, str, str]  # what tells a row from all others: its run, and the quantity
 COLUMNS: Final = (*NAMES, "quantity", "outcome", "value")
@@ -156,7 +156,7 @@ def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]
             yield Change(kind, place, was.error_max, now.error_max, now.outcome, now.unit)
 
 
-def _kind(was: Error | None, now: Error | None, roundings: Mapping[Motion, float]) -> ChangeKind | None:
+def _kind(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
     """What has become of a row; None if nothing has."""
     if was is None or now is None:
         there = was or now
@@ -173,9 +173,9 @@ def _kind(was: Error | None, now: Error | None, roundings: Mapping[Motion, float
     return ChangeKind.GROWN if Verdict(now.outcome).judged and not now.error_max <= most else None
 
 
-def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> dict[Motion, float]:
+def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> dict[MotionUnit, float]:
     """By motion and unit, the rounding error of the largest recorded figure in that unit."""
-    values: dict[Motion, float] = {}
+    values: dict[MotionUnit, float] = {}
     for place, row in new.items():
         if row.engine == CLOSED_FORM and (was := old.get(place)) is not None and was.error_max is not None:
             usual = SAME_FIGURE if row.unit == "rad" else 0.0  # a transmission angle of zero is rounding
@@ -184,5 +184,5 @@ def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> 
     return values
 
 
-def _motion(row: Error) -> Motion:
+def _motion(row: Error) -> MotionUnit:
     return (*row[:4], row.unit)
