@@ -23,13 +23,12 @@ _THREAD: Final = threading.local()  # each thread of a Dask worker has a worker 
 
 @dataclass(frozen=True)
 class DaskPool:
-    """The workers of the scheduler at an ``address``; of one, one run at a time, if ``is_one_by_one``.
+    """The workers of the scheduler at an ``address``.
 
     Where a worker dies, the scheduler has another make its runs again, until the third has died of one.
     """
 
     address: str
-    is_one_by_one: bool = False
 
     def run(
         self,
@@ -43,18 +42,13 @@ class DaskPool:
         Raises LinkproofError where there is no scheduler, no worker, or one of another version.
         """
         with self._client() as client:
-            threads = client.nthreads()
-            first = min(threads) if self.is_one_by_one else None
-            size = 1 if first else 2 * sum(threads.values())
+            size = 2 * sum(client.nthreads().values())
             left, numbers, ended = enumerate(jobs), {}, _as_completed(client)
 
             def submit() -> None:
                 for number, job in left:
                     begun(number)
-                    future = client.submit(
-                        _isolated, function, job, bounds,
-                        key=f"linkproof-{uuid4().hex}", workers=first, allow_other_workers=first is not None,
-                    )  # fmt: skip
+                    future = client.submit(_isolated, function, job, bounds, key=f"linkproof-{uuid4().hex}")
                     numbers[future.key] = number
                     ended.add(future)
                     return
