@@ -35,7 +35,7 @@ from reports.api.folders import stored_runs
 from reports.api.linkages import linkage_file, word_of
 from reports.api.motions import EVERYTHING, requested_motions
 from reports.api.options import Bounds as Asked
-from reports.api.options import LinkageLike, Motion
+from reports.api.options import LinkageLike, Motion, words
 from reports.document.study import check_file
 from reports.records import CONCURRENT_RUNS
 from reports.studies.trials import Comparison, Script
@@ -51,13 +51,13 @@ class Chosen(NamedTuple):
     words: tuple[str, ...]
 
 
-def chosen_linkages(given: Sequence[LinkageLike], motion: Motion) -> Chosen:
+def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) -> Chosen:
     """The linkages in the variant and under the gravity of a motion; by default the catalogue's that have the variant.
 
     Files of the same name get the names of their folders before their own, as many as are needed to differ. Raises
     LinkproofError where two names are the same.
     """
-    named = tuple({word_of(each): each for each in given or _with_variant(catalogue(), motion.variant)}.values())
+    named = tuple({word_of(each): each for each in words(given) or _with_variant(catalogue(), motion.variant)}.values())
     files = _told_apart(named, [linkage_file(each) for each in named])
     variants = [each.variant if isinstance(each, Linkage) and motion.variant is None else None for each in named]
     linkages = [file.linkage(variant or motion.variant) for file, variant in zip(files, variants, strict=True)]
@@ -66,7 +66,7 @@ def chosen_linkages(given: Sequence[LinkageLike], motion: Motion) -> Chosen:
         raise LinkproofError(f"two linkage files are both called '{name}': rename one of them")
     if not motion.gravity:
         linkages = [without(linkage, "gravity") for linkage in linkages]
-    return Chosen(tuple(linkages), files, tuple(map(word_of, given)))
+    return Chosen(tuple(linkages), files, tuple(map(word_of, words(given))))
 
 
 def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:

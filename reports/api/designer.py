@@ -358,7 +358,7 @@ def tolerance(
 @checked
 def judge(
     mechanism: Mechanism,
-    results: Annotated[Sequence[Path], Argument("RESULTS", is_required=True, reads="'{}'")],
+    results: Annotated[str | Path | Sequence[str | Path], Argument("RESULTS", is_required=True, reads="'{}'")],
     motion: Motion = USUAL,
     *,
     map: Annotated[
@@ -396,5 +396,6 @@ def judge(
     check_judgement(motion, limit)
     chosen, mechanism, motion = resolve(mechanism, motion)
     command = command_line(judge, locals())
-    judged = judge_files(chosen, results, motion, map=map, limit=limit, encoding=encoding)
-    return Judgement(**vars(judged), paths=tuple(results), command=command)
+    files = [Path(file) for file in words(results)]
+    judged = judge_files(chosen, files, motion, map=map, limit=limit, encoding=encoding)
+    return Judgement(**vars(judged), paths=tuple(files), command=command)

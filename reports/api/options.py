@@ -117,9 +117,10 @@ def option_groups(function: Callable[..., Any]) -> dict[str, type]:
 
 
 def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
-    """The type of the members of a tuple or a sequence, which may be optional; None for another type."""
+    """The type of the members of a tuple or a sequence, beside which others may stand; None for another type."""
     kinds = (kind, *get_args(kind))
-    return next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
+    member = next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
+    return Path if Path in get_args(member) else member
 
 
 # Values: each is checked by the type of its option, whether it comes from Python or as a word.
@@ -303,7 +304,8 @@ def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
 
 # The files of a command's results, and the amount of its output.
 
-Out = Annotated[Path | None, Option("Write records, curves and pages into this folder.", "DIR", affects_results=False)]
+OUT = Option("Write records, curves and pages into this folder.", "DIR", affects_results=False)
+Out = Annotated[str | Path | None, OUT]
 Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
 
 
@@ -315,7 +317,7 @@ class OutputOptions:
     adds the details of every record.
     """
 
-    out: Out = None
+    out: Annotated[Path | None, OUT] = None
     save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
     json: Json = False
     quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
@@ -360,7 +362,7 @@ USUAL_SPEED = 1000.0  # rpm
 TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: no swing has them
 
 Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms", is_required=True, reads="the linkage's file")]
-Mechanisms = Annotated[Sequence[LinkageLike], Argument("MECHANISM", "mechanisms", reads="'{}'")]
+Mechanisms = Annotated[LinkageLike | Sequence[LinkageLike], Argument("MECHANISM", "mechanisms", reads="'{}'")]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
 Speed = Annotated[
     float | None,

@@ -107,9 +107,9 @@ def compare(
     quantity: Annotated[
         Sequence[str], Option("Quantity, such as Mkr; repeatable; default: all.", "NAME", names="quantities")
     ] = (),
-    limits: Annotated[Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None,
+    limits: Annotated[str | Path | None, Option("Your limits, which precede the suite's.", "FILE")] = None,
     against: Annotated[
-        Path | None,
+        str | Path | None,
         Option(
             "Compare with results that --record wrote or that are in a folder of --out: what newly fails, has grown "
             "threefold, has vanished or has changed fails.",
@@ -117,7 +117,7 @@ def compare(
         ),
     ] = None,
     record: Annotated[
-        Path | None,
+        str | Path | None,
         Option(
             "Write errors, and figures of the closed form, into this CSV file for --against.",
             "FILE",
@@ -125,11 +125,12 @@ def compare(
         ),
     ] = None,
     junit: Annotated[
-        Path | None,
+        str | Path | None,
         Option("Write every verdict as a test case, in JUnit's XML.", "FILE", affects_results=False),
     ] = None,
     script: Annotated[
-        Path | None, Option("Run nothing; write one run as a script that needs only its engine and numpy.", "FILE")
+        str | Path | None,
+        Option("Run nothing; write one run as a script that needs only its engine and numpy.", "FILE"),
     ] = None,
     bounds: Bounds = UNBOUNDED,
     out: Out = None,
@@ -174,7 +175,7 @@ def compare(
     mechanisms = chosen.words
     if script is not None:
         request = campaign.request(chosen.linkages, motion, engine, setting)
-        return campaign.script(request, script, command_line(compare, locals()))
+        return campaign.script(request, Path(script), command_line(compare, locals()))
     result = campaign.comparison(compare, locals(), chosen, command_line(compare, locals()))
     return result.with_files(record, junit)
 

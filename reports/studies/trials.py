@@ -89,15 +89,15 @@ class Comparison(Trials):
         """Write the comparison into a folder, in the place of another there."""
         campaign.save(folder, self.results.document, self.results.runs)
 
-    def with_files(self, record: Path | None, junit: Path | None) -> Comparison:
+    def with_files(self, record: str | Path | None, junit: str | Path | None) -> Comparison:
         """The comparison, once its rows, and its verdicts as test cases of JUnit, are written."""
         if record is not None:
-            write_rows(self.results.rows, record)
+            write_rows(self.results.rows, Path(record))
         if junit is not None:
             from reports.campaign.junit import junit as test_cases  # noqa: PLC0415 - a table needs none of it
 
-            write_file(junit, test_cases(self.results.runs, self.changes))
-        return replace(self, written=tuple(file for file in (record, junit) if file is not None))
+            write_file(Path(junit), test_cases(self.results.runs, self.changes))
+        return replace(self, written=tuple(Path(file) for file in (record, junit) if file is not None))
 
     @property
     def records(self) -> tuple[Error, ...]:
@@ -208,12 +208,12 @@ class Script(Comparison):
         return Printout((), ())
 
 
-def check_files(record: Path | None, junit: Path | None) -> None:
+def check_files(record: str | Path | None, junit: str | Path | None) -> None:
     """Raise LinkproofError before the work for a file of a comparison that cannot be written."""
     if record is not None:
-        check_file("--record", record, (".csv",))
+        check_file("--record", Path(record), (".csv",))
     if junit is not None:
-        check_file("--junit", junit)
+        check_file("--junit", Path(junit))
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
