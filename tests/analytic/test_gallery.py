@@ -9,6 +9,7 @@ import linkproof
 from analytic.description.loading import gallery, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.linkage_check import check
+from tests.sources import ROOT
 
 ANGLES = np.radians([-37.0, -11.0, 8.0, 33.0])  # of a crank, within the range of every linkage that does not turn
 LENGTHS = [0.53, 0.61, 0.76]  # of the cylinder, m
@@ -69,9 +70,11 @@ LAWS = {
 }
 
 
-def test_ten_linkages_each_have_a_law():
+def test_ten_linkages_each_have_a_law_and_a_row_in_the_documentation():
     assert set(LAWS) == set(gallery())
     assert len(LAWS) == 10
+    page = (ROOT / "docs" / "linkage-files.md").read_text(encoding="utf-8")
+    assert [name for name in LAWS if f"\n| `{name}` |" not in page] == []
 
 
 @pytest.mark.parametrize("name", LAWS)
