@@ -321,7 +321,7 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
     """Search the speed at φ = 0 that a turn brings back, by secants of the turn's map; None if the crank stalls."""
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
-        turn = _turn(equation, speed)
+        turn = None if _stalls(equation, speed) else _turn(equation, speed)
         if turn is None:
             return None
         motion, end = turn
@@ -337,15 +337,36 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
 
 
 def _turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
-    """A motion of one turn from φ = 0 and the time it takes, s; None if the crank does not get round, or turns back."""
+    """A motion of one turn from φ = 0 and the time it takes, s; None if the crank does not get round."""
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):
         motion = follow(equation, 0.0, speed, duration, TOLERANCE)
         end = _last_passage(motion, float(np.copysign(FULL_TURN, speed)))
-        starts = motion.windows.starts
-        if np.any(motion.speed(starts[starts < (end or duration)]) * speed <= 0.0):
-            return None
         if end is not None:
             return motion, end
         duration *= 2.0
     return None
+
+
+def _stalls(equation: EquationOfMotion, speed: float) -> bool:
+    """Whether the crank comes to rest within the turn that it starts at φ = 0: ω² over φ, by the Runge-Kutta method.
+
+    Over φ a stall takes no longer than a turn; over time the crank would swing in its dwell for ever.
+    """
+    angle = np.copysign(np.linspace(0.0, FULL_TURN, 2 * SAMPLES_PER_TURN + 1), speed)
+    terms: list[list[float]] = equation.terms(angle).tolist()
+    moment, damping, slope = terms
+    step, square = float(angle[2]), speed * speed
+
+    def gain(at: int, value: float) -> float:
+        drag = math.copysign(damping[at] * math.sqrt(max(value, 0.0)), speed)
+        return 2.0 * step * (moment[at] - drag - slope[at] * value)
+
+    for at in range(0, 2 * SAMPLES_PER_TURN, 2):
+        first = gain(at, square)
+        second = gain(at + 1, square + 0.5 * first)
+        third = gain(at + 1, square + 0.5 * second)
+        square += (first + 2.0 * (second + third) + gain(at + 2, square + third)) / 6.0
+        if square <= 0.0:
+            return True
+    return False
