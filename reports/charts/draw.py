@@ -49,7 +49,7 @@ STYLE = FOLDER / "figures.mplstyle"  # how figures look, and how they are writte
 # Inches of a figure that shares the page's width with another, of one that has it to itself, of a line of words.
 WIDTH, FULL_WIDTH, LINE = 5.4, 11.0, 0.16
 LETTERS = 13.0  # to the inch, the broad ones of a name among them
-DOTS_PER_INCH, PAPER_DOTS = 160, 300
+PAPER_DOTS = 300  # to the inch
 STEADY = 1e-6  # a curve that varies by less than this share of its size is flat
 FROM_ZERO = 0.4  # an axis starts at zero where the least value is below this share of the largest
 HATCHED: Final[dict[str, Any]] = {"facecolor": PLATE, "edgecolor": REFERENCE, "hatch": "////", "linewidth": 0.0}
@@ -141,21 +141,13 @@ def svg(figure: Figure, page: str = "none") -> str:
     return _STYLE.sub(lambda match: f"{match[1]}{match[2].strip()}{dark}{match[3]}", text, count=1)
 
 
-def png(figure: Figure, dots: int = DOTS_PER_INCH) -> bytes:
-    """The figure as a PNG file on white, for papers, so many dots to the inch."""
-    return _saved(figure, "png", ("Software",), facecolor="white", dpi=dots)
-
-
-def pdf(figure: Figure) -> bytes:
-    """The figure as a PDF file on white, for papers: lines as lines, its fonts within it."""
-    return _saved(figure, "pdf", ("CreationDate", "Creator", "Producer"), facecolor="white")
-
-
 def picture(figure: Figure, kind: str) -> str | bytes:
-    """The figure on white as a file of a ``kind``, svg, png or pdf, for papers."""
+    """The figure on white as a file of a ``kind``, svg, png or pdf, for papers: with its fonts, the same every time."""
     if kind == "svg":
         return svg(figure, page="white")
-    return pdf(figure) if kind == "pdf" else png(figure, PAPER_DOTS)
+    if kind == "pdf":
+        return _saved(figure, kind, ("CreationDate", "Creator", "Producer"), facecolor="white")
+    return _saved(figure, kind, ("Software",), facecolor="white", dpi=PAPER_DOTS)
 
 
 def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
