@@ -504,7 +504,7 @@ def _turned(linkage: Linkage, name: str) -> Hypothesis:
         c, s = math.cos(angle), math.sin(angle)
         return {f"{name}.x": c * x - s * y, f"{name}.y": s * x + c * y}
 
-    return Hypothesis(name, NUMBER, turned, lambda a: f"{what} is turned by {math.degrees(a):.3g}°", (0.0,),
+    return Hypothesis(name, NUMBER, turned, lambda a: f"{what} is turned by {math.degrees(wrap_angle(a)):.3g}°", (0.0,),
                       unit=1.0 / RADIAN, is_slow=of != "output")  # fmt: skip
 
 
