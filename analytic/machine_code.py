@@ -7,7 +7,6 @@ import math
 import os
 import threading
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isfinite, isnan
@@ -604,5 +603,7 @@ def in_threads(function: Callable[[Any], object], parts: Sequence[Any]) -> None:
         for part in parts:
             function(part)
         return
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - one linkage needs none
+
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(function, parts))

@@ -28,12 +28,12 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any], comma
     where, words = run_resources(Bounds(jobs=given["jobs"], scheduler=given["scheduler"])), given["words"]
     named = [word for word in words if "/" in word]
     if named:
-        if len(named) < len(words) or given["out"] is not None:
+        if len(named) < len(words):
             raise LinkproofError(
                 "expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind"
-                if len(named) < len(words)
-                else "--out takes whole maps: name axes, or leave it out"
             )
+        if given["out"] is not None:
+            raise LinkproofError("--out takes whole maps: name axes, or leave it out")
         with closing(where.pool) as pool:
             made = make_cells([find_cell(name) for name in named], pool)
         return StabilityMaps(Stress({"command": command, "environment": {}, "quick": False}, made), are_cells=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from reports.api import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
+from reports import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 
 
 def main() -> None:

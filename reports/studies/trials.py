@@ -26,6 +26,7 @@ from comparisons.trials.work_precision import table as work_precision
 from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
 from comparisons.trials.work_precision.table import Bench
 from engines.contract import Outcome, Setting
+from reports import FAILED, PASSED, SUITE_ERROR
 from reports import bench as bench_words
 from reports import stress as stress_words
 from reports.campaign.terminal import printout
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
 Named = TypeVar("Named")
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
-FAILED, SUITE_ERROR = 1, 3  # exit codes
 
 
 class Trials(Study):
@@ -346,7 +346,7 @@ def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter
     if is_ours or has_failed:
         return SUITE_ERROR if is_ours else FAILED
     if is_judged:
-        return 0
+        return PASSED
     if not counts:
         raise LinkproofError("nothing to run: no regime, map or setting matches the request")
     (outcome, reason), _ = counts.most_common(1)[0]
