@@ -188,13 +188,16 @@ RELEASES = {  # torque, N m, angle at the start, rad, and duration, s
 }
 FREE_ANGLE = {"direct": 1e-10, "exudyn": 3e-5, "mujoco": 1e-7, "pymunk": 1e-6, "simbody": 1e-6}  # rad at the end
 FREE_BEST = {"exudyn": 2e-8, "pymunk": 2e-8}
+SLOWLY_RELEASED = [("pymunk", "spring-and-damper"), ("pymunk", "force-over-angle")]  # each of many steps calls back
+NOT_RELEASED = {("simbody", "force-over-angle"), *SLOWLY_RELEASED}
 
 
 @pytest.mark.parametrize(
     ("name", "linkage", "setting"),
     [
         *((name, linkage, Setting.TUNED) for name in FREE_ANGLE for linkage in RELEASES
-          if (name, linkage) != ("simbody", "force-over-angle") and (linkage != "slotted-takeup" or name == "exudyn")),
+          if (name, linkage) not in NOT_RELEASED and (linkage != "slotted-takeup" or name == "exudyn")),
+        *(pytest.param(*each, Setting.TUNED, marks=pytest.mark.nightly) for each in SLOWLY_RELEASED),
         *(pytest.param(name, "force-over-angle", Setting.BEST, marks=pytest.mark.nightly) for name in FREE_BEST),
     ],
 )  # fmt: skip

@@ -20,7 +20,7 @@ def engine(tmp_path):
 def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     formats = ("csv", "json", "xlsx", "pdf", "dxf")
     words = [word for name in formats for word in ("--save", f"t.{name}")]
-    motion = ("--regime", "run-up", "--ramp-time", "0.1", "--decimal", ",", "--json")
+    motion = ("--regime", "run-up", "--ramp-time", "0.02", "--hold-time", "0.01", "--decimal", ",", "--json")
     done = linkproof("results", engine, *motion, *words, cwd=tmp_path)
     assert done.stderr == "".join(f"wrote t.{name}\n" for name in formats)
     document = json.loads(done.stdout)
