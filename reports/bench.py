@@ -167,10 +167,9 @@ def setting_words(record: Row) -> str:
 
 CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time")
-POINTS = (
-    *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
-    *("set-up", "stepping", "overhead", "steps", "why"),
-)
+# Columns of the table of all points that the terminal has if it is verbose.
+POINTS = ["mechanism", "regime", "engine", "setting", "runs", "effort", "step", "quantity", "outcome", "error_max",
+          "error_rms", "setup_seconds", "seconds", "overhead", "steps", "detail"]  # fmt: skip
 
 
 def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
@@ -179,23 +178,9 @@ def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
     for place in places(bench):
         for name in [name for name in requested if name in quantities(place)] or [foremost(place)]:
             blocks += _place_printout(place, name, noise_share(bench))
-    return Printout(blocks, [noise_note(bench)], [_points(bench), ""])
-
-
-def _points(bench: Bench) -> Table:
-    """Every point measured."""
-    rows = [
-        (
-            record.mechanism, record.regime, engine_label(record.engine, record.is_control), record.setting,
-            f"{record.runs}", "" if record.effort is None else f"{record.effort:g}",
-            "" if record.step is None else f"{record.step:.4g}", record.quantity, record.outcome,
-            error(record.error_max), error(record.error_rms),
-            seconds(record.setup_seconds), seconds(record.seconds), overhead_words(record), f"{record.steps}",
-            record.detail,
-        )
-        for record in bench.table.itertuples()
-    ]  # fmt: skip
-    return Table("", POINTS, tuple(rows), "l")
+    known = bench.table[POINTS].map(lambda cell: "" if cell is None else cell)
+    every = known.to_string(index=False, float_format="{:.4g}".format)
+    return Printout(blocks, [noise_note(bench)], [every, ""])
 
 
 def _place_printout(place: DataFrame, quantity: str, noise: float) -> Iterator[Printed]:
