@@ -13,7 +13,7 @@ self-locking: no drive moves it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -31,7 +31,8 @@ from analytic.kinematics.sweep import Sweep
 Array = NDArray[np.float64]
 
 MOST_ROUNDS, MOST_STEPS = 16, 60  # of substitution, of Newton's method
-SETTLED: Final = 4e-15  # a step over the largest friction of the angle
+SETTLED, LAST = 4e-15, 1e-9  # a step over the largest friction of the angle, of substitution and of Newton's method
+SHARES: Final = (np.arange(1, 33) / 32).tolist()  # of the coefficients
 
 
 class Contact(NamedTuple):
@@ -117,7 +118,8 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
     """The frictions (m, n) of forces ``free`` (m, 2, n) + ``slopes`` (m, m, 2, n) x, and where they are found (n,).
 
-    Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left.
+    Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left,
+    at last by letting the coefficients grow.
     """
     frictions = np.zeros_like(sizes)
     with np.errstate(all="ignore"):  # of what is found nowhere
@@ -126,8 +128,10 @@ def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArr
             is_solved = _is_settled(frictions - before, frictions)
             if np.all(is_solved):
                 return frictions, is_solved
-        left = np.flatnonzero(~is_solved & np.all(np.isfinite(free), axis=(0, 1)))
-        frictions[:, left], is_solved[left] = _by_newton(sizes[:, left], free[..., left], slopes[..., left])
+        for shares in ((1.0,), SHARES):
+            left = np.flatnonzero(~is_solved & np.all(np.isfinite(free), axis=(0, 1)))
+            found = _by_newton(sizes[:, left], free[..., left], slopes[..., left], shares)
+            frictions[:, left], is_solved[left] = found
     return frictions, is_solved | ~np.all(np.isfinite(free), axis=(0, 1))
 
 
@@ -136,27 +140,33 @@ def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
     return np.moveaxis(free + np.einsum("jkcn,kn->jcn", slopes, frictions), 1, 0)
 
 
-def _is_settled(step: Array, frictions: Array) -> NDArray[np.bool_]:
-    return np.asarray(np.all(np.abs(step) <= SETTLED * np.max(np.abs(frictions), axis=0), axis=0))
+def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> NDArray[np.bool_]:
+    return np.asarray(np.all(np.abs(step) <= within * np.max(np.abs(frictions), axis=0), axis=0))
 
 
-def _by_newton(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """As ``_equilibrium``, from no friction on; the branch of small coefficients has a determinant above zero."""
+def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]) -> tuple[Array, NDArray[np.bool_]]:
+    """As ``_equilibrium``, from no friction on, by ``shares`` of the coefficients one after the other.
+
+    The branch of small coefficients has a determinant above zero. The step after one within LAST is rounding.
+    """
     frictions, step, unit = np.zeros_like(sizes), np.ones_like(sizes), np.eye(len(sizes))
     matrix = np.broadcast_to(unit, (sizes.shape[1], *unit.shape))
-    for _ in range(MOST_STEPS):
-        if np.all(_is_settled(step, frictions)):
-            break
-        forces = _forces(free, slopes, frictions)
-        magnitudes = np.maximum(np.hypot(*forces), TINY)
-        along = np.einsum("cjn,jkcn->jkn", forces / magnitudes, slopes)
-        matrix = unit - np.moveaxis(sizes[:, None] * along, (0, 1), (-2, -1))
-        matrix = np.where(np.isfinite(matrix), matrix, unit)
-        rest = (frictions - sizes * magnitudes).T
-        step = np.linalg.solve(matrix, rest[..., None])[..., 0].T
-        frictions = frictions - step
-    is_branch = np.all(frictions >= 0.0, axis=0) & (np.linalg.det(matrix) > 0.0)
-    return frictions, _is_settled(step, frictions) & is_branch
+    is_branch = np.ones(sizes.shape[1], dtype=bool)
+    for share in shares:
+        for _ in range(MOST_STEPS):
+            forces = _forces(free, slopes, frictions)
+            magnitudes = np.maximum(np.hypot(*forces), TINY)
+            along = np.einsum("cjn,jkcn->jkn", forces / magnitudes, slopes)
+            matrix = unit - np.moveaxis(share * sizes[:, None] * along, (0, 1), (-2, -1))
+            matrix = np.where(np.isfinite(matrix), matrix, unit)
+            rest = (frictions - share * sizes * magnitudes).T
+            step = np.linalg.solve(matrix, rest[..., None])[..., 0].T
+            frictions = frictions - step
+            if np.all(_is_settled(step, frictions, LAST) | ~is_branch):
+                break
+        is_branch &= np.all(frictions >= 0.0, axis=0) & (np.linalg.det(matrix) > 0.0)
+        is_branch &= _is_settled(step, frictions, LAST)
+    return frictions, is_branch
 
 
 def _check(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:

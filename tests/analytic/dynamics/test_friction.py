@@ -8,7 +8,7 @@ from mpmath import mpf
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
-from analytic.dynamics.friction import reactions
+from analytic.dynamics.friction import contacts, reactions
 from analytic.dynamics.reduced import equation_of_motion, near_load_jumps
 from analytic.errors import DescriptionError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -62,6 +62,15 @@ def test_they_are_those_of_a_fixed_point_in_fifty_digits(number):
 @pytest.mark.nightly
 def test_so_are_those_of_a_hundred_linkages():
     assert max(largest_error(rubbing(number), PHI, SPEED) for number in range(100)) < CLOSE
+
+
+def test_strong_friction_is_followed_from_weak_friction_on():
+    """Newton's method alone goes astray at one angle; friction takes what the joints take by their own forces."""
+    text = rubbing(9).replace("= 0.12 }", "= 4.8 }").replace("= 0.1 }", "= 4 }")
+    sweep = Mechanism(parse(text, "strong", "strong")).sweep(PHI)
+    found = reactions(sweep, SPEED, 0.0)
+    power = [joint.size * np.hypot(*found.forces[joint.joint]) * np.abs(joint.rate) for joint in contacts(sweep)]
+    assert found.friction == pytest.approx(np.sum(power, axis=0), rel=1e-9)
 
 
 def test_a_pivot_resists_by_its_radius_and_the_weight_on_it():
