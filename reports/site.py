@@ -29,7 +29,8 @@ from reports import bench as bench_page
 from reports import stress as stress_pages
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import index, markdown
+from reports.campaign.index import index
+from reports.campaign.summary import markdown
 from reports.document import html
 from reports.document.parts import Page, PageLink, Words
 from reports.document.templates import sentence

@@ -1,4 +1,4 @@
-"""A campaign's verdict on its engines, the first page of its report with cards and tables, its summary in Markdown."""
+"""A campaign's verdict on its engines, and the first page of its report, with cards and tables."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdic
 from engines.contract import Setting
 from reports.charts.moving import moving_scheme
 from reports.document import numbers
-from reports.document.markdown import written
-from reports.document.numbers import ROUND_OFF, bound, figure
+from reports.document.numbers import figure
 from reports.document.parts import (
     Bullets,
     Card,
@@ -319,9 +318,6 @@ def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
     return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {family_title(worst.quantity)}"
 
 
-# The first page of a report: the verdict, the engines, a card for every mechanism, what was run.
-
-
 FIRST_SHOWN: Final = "Mkr/Peq"  # of the picture
 LEAST, OUTLINE = 1e-16, 1.5  # of an error that is drawn; px, of a symbol
 LAYOUT: Final[Mapping[str, Any]] = {
@@ -601,36 +597,3 @@ def _limitation_sentences(results: CampaignResults, sheets: Sequence[Sheet]) -> 
             noted=[sheet.linkage.title for sheet in sheets if sheet.linkage.notes],
         )
     )
-
-
-# The summary in Markdown: verdicts and errors alone, so that two machines' summaries of one version diff cleanly.
-
-
-def markdown(results: CampaignResults) -> str:
-    """The summary of a campaign."""
-    facts = results.document.get("judgement", [])
-    trust = EngineRanking(results)
-    title = "Results of another tool against the closed form" if facts else "Engines against the closed form"
-    words = (
-        f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}. Written by ",
-        Mono(results.document["command"]),
-        "; the pages beside it have curves, machine and times.",
-    )
-    lines = facts or verdict(trust)
-    errors = [
-        Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", errors_section(view, regime).parts)
-        for view in views(results)
-        for regime in view.regimes
-    ]
-    parts: tuple[Part, ...] = (
-        Paragraph(words),
-        Section("", "Verdict", (*map(Paragraph, lines), families_table(trust, leads=False))),
-        *_section_with_parts("Errors", errors),
-        *_section_with_parts("Changes", changes_table(results.changes)),
-        Section("", "Limits", (limit_table(results),)),
-    )
-    return f"# {title}\n\n{written(parts)}\n"
-
-
-def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, ...]:
-    return (Section("", heading, tuple(parts)),) if parts else ()
