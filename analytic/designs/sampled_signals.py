@@ -66,8 +66,7 @@ class Designs:
     """Designs that differ in ``arrays`` (designs,) of numbers by name, SI, in the assembly modes as described.
 
     The crank has a ``speed``, rad/s, or one among the arrays, turned as it, and an ``acceleration``, rad/s², numbers or
-    (angles,). ``poses`` is the number of all
-    poses to compute, by which the ``path`` "auto" decides whether to compile.
+    (angles,). ``poses`` is the number of all poses to compute, by which the ``path`` "auto" decides whether to compile.
     """
 
     mechanism: Mechanism

@@ -1,9 +1,9 @@
 """Joint forces in closed form: force analysis of the Assur groups, from the last one back to the crank.
 
-Each group is statically determinate, so it is solved by itself (``group_forces``) once the loads on its two links are
-known: inertia, weight, other loads on them (``link_loads``), and the reactions of the groups that come after it.
-Its reactions in its outer joints are loads on the links before it. The crank comes last; its balance gives the
-reaction of its pivot and the torque of the drive. No system of equations of the whole linkage is solved.
+Each group is statically determinate, so it is solved by itself (``group_wrenches``) once the loads on its two links are
+known: inertia, weight, other loads on them (``analytic.dynamics.loads``), and the reactions of the groups that come
+after it. Its reactions in its outer joints are loads on the links before it. The crank comes last; its balance gives
+the reaction of its pivot and the torque of the drive. No system of equations of the whole linkage is solved.
 
 Joints are named as in the engines' scenes. A pin of k bodies counts as k - 1 joints to one of them, its hub: the ground
 where it has the pin, else the first body by name. Two bodies on a pin make the joint ``point``; more make one joint
