@@ -18,11 +18,9 @@ import scipy  # whose parts are loaded where they are used
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
-from analytic.errors import LinkproofError
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 4  # samples that tell a motion
 SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 RANDOM_TRIALS: Final = 4  # other columns that would round to the same
@@ -113,30 +111,24 @@ class _Samples:
 
 def motion_of_angles(time: Array, angle: Array, resolution: Array) -> ColumnMotion:
     """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution."""
-    return _motion(_samples(time, angle, resolution, of_speed=False), 0.0)
+    return _motion(time, angle, resolution, 0.0, of_speed=False)
 
 
 def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: float = 0.0) -> ColumnMotion:
     """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
-    return _motion(_samples(time, speed, resolution, of_speed=True), start_angle)
+    return _motion(time, speed, resolution, start_angle, of_speed=True)
 
 
-def _samples(time: Array, values: Array, resolution: Array, *, of_speed: bool) -> _Samples:
-    """The samples of a column, of which the first of a run-up have more digits than any fit."""
-    if len(time) < FEWEST:
-        raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
-    coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
-    return _Samples(time, values, np.maximum(resolution, FINEST_ROUNDING * coarsest), of_speed)
-
-
-def _motion(samples: _Samples, start_angle: float) -> ColumnMotion:
+def _motion(time: Array, values: Array, resolution: Array, start_angle: float, *, of_speed: bool) -> ColumnMotion:
     """The motion of a column: a known one if there is any within its rounding, else a spline."""
+    coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
+    rounding = np.maximum(resolution, FINEST_ROUNDING * coarsest)  # a run-up's first have more digits than any fit
+    samples = _Samples(time, values, rounding, of_speed)
     known = known_fit(samples)
-    if known is not None:
-        fits = (known, *known.likewise())
-        first, *others = (fit.motion(start_angle) for fit in fits)
-        return ColumnMotion(first.regime, first.segments, tuple(others))
-    return _splines(samples, start_angle)
+    if known is None:
+        return _splines(samples, start_angle)
+    first, *others = (fit.motion(start_angle) for fit in (known, *known.likewise()))
+    return ColumnMotion(first.regime, first.segments, tuple(others))
 
 
 # Known motions: run-ups and swings, which have a time of the ramp or of one way, a size and a start.
@@ -371,8 +363,6 @@ def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
     What is then unknown is the mean of n roundings; a step that is printed in full leaves nothing open.
     """
     number = np.arange(len(at))
-    if len(at) < FEWEST:
-        return at, resolution
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))
     from_zero = float(np.sum(number * at / known**2) / np.sum((number / known) ** 2)) * number
     is_even = bool(np.all(np.abs(from_zero - at) <= SLACK * known))
