@@ -48,6 +48,7 @@ class Load:
 
 
 Between = tuple[Load, Load]  # on two bodies, each the reverse of the other
+Elastic = Spring | TorsionSpring
 
 
 def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
@@ -112,7 +113,7 @@ def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) ->
         yield Load(load.reaction, (0.0, 0.0), (-x, -y), -frames.cross(arm, (x, y)))
 
 
-def elastic_loads(sweep: Sweep) -> Iterator[tuple[Spring | TorsionSpring, Between]]:
+def elastic_loads(sweep: Sweep) -> Iterator[tuple[Elastic, Between]]:
     """Springs with their loads, without dashpots."""
     for spring in sweep.linkage.springs:
         span = _span(sweep, spring)

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
-from analytic.description.linkage import Link, LinkTorque, PointForce, Spring, TorsionSpring
+from analytic.description.linkage import Link, LinkTorque, PointForce
 from analytic.dynamics.friction import contacts
-from analytic.dynamics.loads import Load, applied_loads, drags, elastic_loads, stored_energy
+from analytic.dynamics.loads import Elastic, Load, applied_loads, drags, elastic_loads, stored_energy
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.dead_centres import dead_centres, top_of_turn
@@ -114,9 +114,7 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
     return y * vector[1] if is_zero(x) else x * vector[0] + y * vector[1]
 
 
-def load_forces(
-    sweep: Sweep, speed: ArrayLike = 0.0
-) -> Iterator[tuple[PointForce | LinkTorque | Spring | TorsionSpring, Array]]:
+def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Elastic, Array]]:
     """Each force, torque and spring with its generalised force, N m."""
     for load in sweep.linkage.applied:
         yield load, power(sweep, applied_loads(sweep, load, speed))
