@@ -324,7 +324,8 @@ for top in (analytic, engines, comparisons, linkproof, reports):
         try:
             importlib.import_module(module.name)
         except ModuleNotFoundError as absent:  # an engine or a package that need not be installed
-            engines = "dartpy", "exudyn", "mujoco", "opensim", "pinocchio", "pybullet", "pydrake", "pymunk", "pyondsel"
+            engines = "dartpy", "exudyn", "jax", "mujoco", "mujoco_warp", "opensim", "pinocchio", "pybullet"
+            engines = *engines, "pydrake", "pymunk", "pyondsel", "warp"
             if absent.name not in engines:
                 raise
 from reports.command_line.main import main
