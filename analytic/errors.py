@@ -87,6 +87,7 @@ class UnknownNameError(LinkproofError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
+        """Compose the message: the unknown name, the nearest of the ``known`` ones, and all of these or ``where``."""
         choices = sorted(set(known))
         meant, many = SYMBOLS.get(name.lower()), NEAREST if len(choices) > MOST_NAMES else 1
         words = [WORDS[word] for word in _similar_names(name, [*WORDS]) if WORDS[word] in choices]
@@ -108,6 +109,7 @@ def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
 
 
 def _differ_by_a_letter(name: str, other: str) -> bool:
+    """Whether two names of one length, at least two letters, differ in exactly one letter."""
     same = sum(a == b for a, b in zip(name, other, strict=False))
     return len(name) == len(other) == same + 1 > 1
 

@@ -45,6 +45,7 @@ def check_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> None:
 
 
 def _error(path: Path, expected: str, fault: str) -> LinkproofError:
+    """The error for a path that is not what was ``expected``; ``fault`` ends its sentence."""
     return LinkproofError(f"expected {expected}, got '{path}', which {fault}")
 
 
@@ -69,4 +70,5 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def _size_fault(size: int, largest: int) -> str | None:
+    """What is wrong with a file of ``size`` bytes, as the end of a sentence; None up to ``largest`` bytes."""
     return f"has more than {largest >> 20} MB; give a smaller one" if size > largest else None

@@ -69,6 +69,7 @@ class OperationList:
     """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by their names."""
 
     def __init__(self) -> None:
+        """An empty list."""
         self.operations: list[Operation] = []
         self.inputs: dict[Hashable, int] = {}  # the line of each
         self._lines: dict[Operation, int] = {}
@@ -200,12 +201,15 @@ class Traced(NDArrayOperatorsMixin):
     ndim = 0
 
     def __init__(self, trace: OperationList, line: int) -> None:
+        """The number that stands in a ``line`` of a list of operations."""
         self.trace, self.line = trace, line
 
     def __bool__(self) -> bool:
+        """Raise TypeError: a traced number has no value yet, so that no formula may branch on it."""
         raise TypeError("expected a formula without branches on its numbers, got one that branches; use np.where")
 
     def __array__(self, *_: object, **__: object) -> Array:
+        """Raise TypeError: a traced number has no value yet to put into an array."""
         raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
 
     def looked_up(self, law: Law, order: int) -> list[Traced]:
@@ -218,6 +222,7 @@ class Traced(NDArrayOperatorsMixin):
         return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
+        """Note the operation in the list instead of computing it; the traced result."""
         # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
         if method != "__call__" or options or any(np.ndim(entry) for entry in inputs):
             return NotImplemented
@@ -226,10 +231,12 @@ class Traced(NDArrayOperatorsMixin):
         return self.trace.apply(NAMES[ufunc], *inputs) if ufunc in NAMES else NotImplemented
 
     def __array_function__(self, function: Any, _: object, inputs: Any, options: Any) -> Any:  # noqa: ANN401
+        """Apply one of the functions in ``SHAPING``, which only arrange numbers."""
         return SHAPING[function](*inputs, **options) if function in SHAPING else NotImplemented
 
 
 def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
+    """Note NumPy's ``where`` of condition, value and other value in the list; the traced result."""
     trace: OperationList = next(number.trace for number in numbers if isinstance(number, Traced))
     return trace.apply("where", *numbers)
 
@@ -260,6 +267,7 @@ class TracedSweep(Sweep):
     moves: Any = True
 
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+        """Note in ``moves`` where the group can move, in place of an error."""
         self.moves = solver.moves if self.moves is True else self.moves & solver.moves
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
@@ -467,6 +475,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
 
 
 def _python_number(value: float) -> str:
+    """A number as Python source; NaN and infinity as calls of ``float``."""
     return repr(value) if isfinite(value) else f"float('{value!r}')"
 
 
@@ -503,6 +512,7 @@ def plain_program(trace: OperationList, given: Sequence[int], rows: Sequence[int
 
 
 def _number_of_javascript(value: float) -> str:
+    """The name that NaN or an infinity has in JavaScript."""
     return "NaN" if isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
 
 
@@ -546,6 +556,7 @@ class StraightFunction:
     def __init__(
         self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
     ) -> None:
+        """Compile the results of a list; ``lanes`` and ``rows`` are the lines that it is given."""
         self.lanes, self.rows = tuple(lanes), tuple(rows)
         self._widths = len(lanes) + len(sines_and_cosines(trace, lanes, results)), len(results)
         self._straight = compile_source(python_source(trace, lanes, rows, results))

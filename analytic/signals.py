@@ -98,6 +98,7 @@ class LinkageInMotion(ABC):
 
     @cached_property
     def _reactions(self) -> Reactions:
+        """Forces of all joints at this speed and acceleration of the crank."""
         return reactions(self.sweep, self.speed, self.acceleration)
 
     @cached_property
@@ -418,14 +419,17 @@ def _link_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
 
 
 def _link_inertia(at: LinkageInMotion, link: str) -> Scalar:
+    """The moment of inertia of one link reduced to the crank, kg m²."""
     return reduced.reduced_inertia(at.sweep, [link])
 
 
 def _joint_force_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
+    """The x or y component of a joint's force, N."""
     return at.joint_forces[name]["xy".index(component)]
 
 
 def _transmission_angle(at: LinkageInMotion, group: str) -> Scalar:
+    """The transmission angle of a group by its name, rad."""
     dyad = next(dyad for dyad in at.sweep.structure.dyads if dyad.name == group)
     return transmission_angle(at.sweep, dyad)
 

@@ -86,6 +86,7 @@ class DartEngine(LoopEngine[DartRecipe]):
     }
 
     def model(self, scene: Scene, recipe: DartRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for ``engines.dart_loop``; see ``LoopEngine.model``."""
         assert isinstance(scene.drive, Prescribed)
         turning = {body.name for body in scene.bodies if body.inertia is not None}
         start, joints = start_motion(scene), list[Any]()

@@ -24,6 +24,7 @@ class World:
     """
 
     def __init__(self, given: Data, step: float) -> None:
+        """Build DART's world from the model; ``step`` is in s."""
         self.given, self.world, self.half = given, dart.simulation.World(), 0.5 * step * given["centred"]
         self.world.setTimeStep(step)
         self.world.setGravity([*given["gravity"], 0.0])

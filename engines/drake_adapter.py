@@ -80,10 +80,12 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
+        """Refuse sliders and turn dampers that are not on the ground, in a sentence; else None."""
         ends = [{slider.host} for slider in scene.sliders] + [{damper.first, damper.second} for damper in scene.dampers]
         return None if all(GROUND in each for each in ends) else "it takes no slider or turn damper but on the ground"
 
     def model(self, scene: Scene, recipe: DrakeRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for ``engines.drake_loop``; see ``LoopEngine.model``."""
         assert isinstance(scene.drive, Prescribed)
         start, segments, far = start_motion(scene), scene.drive.motion.segments, FAR * scene_size(scene)
         joints = [(p.name, (p.first, p.first_anchor), (p.second, p.second_anchor), 0.0) for p in scene.pins]

@@ -22,6 +22,7 @@ class World:
     """
 
     def __init__(self, given: Data, step: float, end: float) -> None:
+        """Build Drake's diagram from the model; ``step`` and ``end`` of the motion are in s."""
         builder, self.lead = drake.DiagramBuilder(), given["lead"] * step
         self.plant = plant = builder.AddSystem(drake.MultibodyPlant(step))
         plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kSap)  # the others take no loops
@@ -124,6 +125,7 @@ class World:
 
 
 def _space_vector(vector: Point) -> Any:  # noqa: ANN401
+    """A plane vector with the third component 0."""
     return np.array([*vector, 0.0])
 
 

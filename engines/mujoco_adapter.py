@@ -68,6 +68,7 @@ class MujocoModel:
     """
 
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
+        """Arrange a scene as a tree for MuJoCo, with light blocks in slots and links for a cylinder."""
         share = 1e-9 if recipe.settle else 1e-2  # a block's of the lightest body; no mass may be below 1e-15
         light = max(1e-14, share * min(body.mass for body in scene.bodies))
         blocked = cylinder_as_links(slots_as_blocks(scene, light), light)
@@ -235,11 +236,14 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
+        """The reason, in a sentence, why MuJoCo's tree cannot hold the scene; else None."""
         return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for ``engines.mujoco_loop``; see ``LoopEngine.model``."""
         return MujocoModel(scene, recipe).as_data(recipe)
 
 
 def _plane_text(vector: complex) -> str:
+    """A plane vector, given as a complex number, as MuJoCo's XML writes it."""
     return f"{vector.real:.17g} {vector.imag:.17g} 0"

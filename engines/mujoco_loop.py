@@ -28,6 +28,7 @@ class MujocoWorld:
     """
 
     def __init__(self, given: Data) -> None:
+        """Build MuJoCo's model from the XML; raises ArithmeticError if MuJoCo refuses it."""
         self.given = given
         try:
             self.model = model = mujoco.MjModel.from_xml_string(given["xml"])
@@ -128,6 +129,7 @@ class MujocoWorld:
             reference = (angle.deriv(2) + 2.0 * rate * angle.deriv() + rate**2 * (angle - start)).coeffs.tolist()
 
         def control(_model: object, stage: Any) -> None:  # noqa: ANN401
+            """Set the drive's reference acceleration, its torque and the loads at a stage of a step."""
             if segment:
                 x, value = stage.time - zero, 0.0
                 for coefficient in reference:
@@ -176,6 +178,7 @@ def load_rows(
     rows = [[0.0, 0.0, 0.0] for _ in centre]
 
     def push(body: int, arm: complex, force: complex) -> None:
+        """Add a force, N, at an ``arm`` from a body's mass centre to the body's row; vectors are complex."""
         row = rows[body]
         row[0] += force.real
         row[1] += force.imag

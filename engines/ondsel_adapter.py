@@ -125,6 +125,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
+        """Refuse turn dampers, except one between the crank and the ground, in a sentence; else None."""
         if scene.driver_kind is not DriverKind.CRANK:
             return "it takes no turn damper beside a linear drive" if scene.dampers else None
         if all({damper.first, damper.second} == {scene.crank, GROUND} for damper in scene.dampers):
@@ -132,6 +133,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
         return f"it takes no turn damper but one between the crank '{scene.crank}' and the ground"
 
     def model(self, scene: Scene, recipe: OndselRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for ``engines.ondsel_loop``; see ``LoopEngine.model``."""
         given, scene, world = scene, cylinder_as_links(scene, 0.0), OndselModel()
         for body in scene.bodies:
             world.add_part(body)

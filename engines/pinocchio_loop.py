@@ -32,6 +32,7 @@ class World:
     """
 
     def __init__(self, given: Data) -> None:
+        """Build Pinocchio's model of joints and ties from the given data."""
         self.given, model, numbers, ties = given, pin.Model(), {"ground": 0}, []
         model.gravity.linear = np.array([*given["gravity"], 0.0])
         for name, host, place, turn, mass, inertia, *start in given["joints"]:
@@ -117,6 +118,7 @@ class World:
 
 
 def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
+    """A frame at a place in the plane, m, turned by an angle, rad."""
     return pin.SE3(pin.utils.rotate("z", turn), np.array([*place, 0.0]))
 
 

@@ -30,6 +30,7 @@ class World:
     """
 
     def __init__(self, given: dict[str, Any]) -> None:
+        """Start a PyBullet server of its own and build the model in it."""
         self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
         self.setGravity(*given["gravity"], 0.0)
         place, rate = np.array(given["start"])[:, 0]

@@ -158,6 +158,7 @@ def check_adapter(adapter: Engine) -> None:
 
 
 def _is_ours(module: str) -> bool:
+    """Whether a module is one of linkproof's own adapters."""
     return module.startswith("engines.")
 
 
@@ -201,10 +202,12 @@ def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
 
 
 def _not_installed_sentence(package: str, extra: str) -> str:
+    """The sentence that a package is not installed, and how to install it."""
     return f"{package} is not installed: {_how_to_install(package, extra)}"
 
 
 def _how_to_install(package: str, extra: str) -> str:
+    """The command that installs a package, by linkproof's ``extra`` if there is one, as the end of a sentence."""
     wanted = extra or package
     is_extra = wanted in (metadata.metadata("linkproof").get_all("Provides-Extra") or ())
     command = install_words(wanted) if is_extra else f"pip install '{package}'"
@@ -212,6 +215,7 @@ def _how_to_install(package: str, extra: str) -> str:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
+    """The first three numbers of a version, for comparison."""
     return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
 
 

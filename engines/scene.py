@@ -412,6 +412,7 @@ def _from_centre(linkage: Linkage, body: str, local: Vector) -> Vector:
 
 
 def _anchor_of_point(linkage: Linkage, point: str, body: str) -> Vector:
+    """A named point of a body, from its mass centre, in the body's frame, m."""
     return _from_centre(linkage, body, linkage.local(point, body))
 
 

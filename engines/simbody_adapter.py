@@ -76,6 +76,7 @@ class SimbodyModel:
     """
 
     def __init__(self, scene: Scene) -> None:
+        """Arrange a scene as a tree for Simbody; light links stand for a cylinder."""
         light = LIGHT * min(body.mass for body in scene.bodies if body.mass)
         self.scene, self.linked = scene, cylinder_as_links(scene, light)
         self.tree = tree = spanning_tree(self.linked)
@@ -184,6 +185,7 @@ class SimbodyModel:
 
 
 def _sign_of_branch(branch: Branch) -> float:
+    """The sign, 1 or -1, by which Simbody's force of a branch becomes the one on the joint's first body."""
     return 1.0 if branch.reverse else -1.0
 
 
@@ -230,6 +232,7 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
         return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
     def model(self, scene: Scene, recipe: SimbodyRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for ``engines.simbody_loop``; see ``LoopEngine.model``."""
         return SimbodyModel(scene).as_data(recipe)
 
 

@@ -39,6 +39,7 @@ class SimbodyWorld:
     """
 
     def __init__(self, given: Data) -> None:
+        """Build OpenSim's model from the given data."""
         self.given, self.model = given, opensim.Model()
         self.model.setGravity(vec3(*given["gravity"]))
         self.frames = [self.model.getGround()]  # the last is body -1

@@ -66,6 +66,7 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
     scale = now / was
 
     def scaled(name: str, value: Any, factor: Any) -> Any:  # noqa: ANN401 - plain or traced
+        """A value of the link times a factor; unchanged if it is zero or ``numbers`` give it themselves."""
         return value if f"{link.name}.{name}" in numbers or not value else value * factor
 
     return replace(
@@ -107,6 +108,7 @@ def multiplied(linkage: Linkage, factor: float, *kinds: str, under: str = "") ->
     """The linkage with its numbers of these kinds times a factor, all or those whose name begins with ``under``."""
 
     def times(name: str, kind: Kind, value: float) -> float:
+        """A number times the ``factor``, if it is of the ``kinds`` and its name begins with ``under``."""
         return value * factor if kind in kinds and name.startswith(under) else value
 
     return changed(linkage, times)

@@ -292,6 +292,7 @@ def _check_steps(time: Array, angle: Array) -> None:
 
 
 def _angle_text(angle: float) -> str:
+    """An angle, rad, as text in degrees: "30°"."""
     return f"{np.degrees(angle):.6g}°"
 
 

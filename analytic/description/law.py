@@ -106,6 +106,7 @@ class Law:
         begun = [within >= knot for knot in knots[1 : len(pieces)]]
 
         def chosen(values: list[float]) -> Any:  # noqa: ANN401
+            """The one of these values, in the order of the table's intervals, that holds at the place."""
             result: Any = values[0]
             for has_begun, value in zip(begun, values[1:], strict=True) if any(values) else ():
                 result = np.where(has_begun, value, result)

@@ -79,6 +79,7 @@ def known_names() -> tuple[str, ...]:
 
 
 def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
+    """Names, sorted, of the linkage files in a folder of the package."""
     return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
@@ -201,10 +202,12 @@ def tables(text: str, origin: str) -> dict[str, Any]:
 
 
 def _line_number(text: str, position: int) -> int:
+    """The number of the line, from 1, that holds a position of the text."""
     return text.count("\n", 0, position) + 1
 
 
 def _nesting_error(place: str) -> DescriptionError:
+    """The error for a file whose tables are nested too deeply to be read; ``place`` begins its message."""
     return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
 
 
@@ -411,6 +414,7 @@ class WrittenNumbers:
     """A linkage file as nested dictionaries, in which numbers are set by name: ``places`` has keys and indices."""
 
     def __init__(self, raw: dict[str, Any], reader: Reader, linkage: Linkage) -> None:
+        """Find every number of the linkage in ``raw``, the file as nested tables; ``reader`` knows the file's units."""
         self.raw = raw
         self.unit, self.units = reader.unit, reader.units
         numbers = named_numbers(linkage)
@@ -499,6 +503,7 @@ def _update(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
 
 
 def _is_alike(old: object, new: object) -> bool:
+    """Whether both values are tables, or lists of one length, so that one can be updated to the other."""
     if isinstance(old, MutableSequence):
         return isinstance(new, list) and len(old) == len(new)
     return isinstance(old, MutableMapping) and isinstance(new, dict)
@@ -517,5 +522,6 @@ def _check(result: str, name: str, target: Linkage) -> None:
 
 
 def _is_near(number: str, got: Mapping[str, float], meant: Mapping[str, float]) -> bool:
+    """Whether the ``number`` of the new file equals the intended one, to the rounding of the file's units."""
     size = 1.0 if ".along." in number else max(abs(meant[number]), math.ulp(0.0))
     return abs(got[number] - meant[number]) <= ROUNDING * size

@@ -154,6 +154,7 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
     # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
     def figures_of(numbers: Mapping[str, float]) -> Array:
+        """The figures (figures,), SI, of one design with these numbers."""
         return request.values_for({name: np.array([value]) for name, value in numbers.items()})[:, 0]
 
     return differences(figures_of, parameters, _steps(request.mechanism, parameters))[:2]

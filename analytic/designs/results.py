@@ -56,6 +56,7 @@ class _DesignSums:
     """Sums and extremes of every design: results of the straight function by name."""
 
     def __init__(self, listed: LinkageTrace, request: FigureRequest) -> None:
+        """List the sums and extremes over the angles from which the requested figures follow."""
         self.listed = listed
         self.results: list[Result] = []
         self.places: dict[str, int] = {}
@@ -73,6 +74,7 @@ class _DesignSums:
             self._add(f"last {number}", line, LAST)
 
     def _add(self, name: str, line: int, reduction: tuple[str, float]) -> None:
+        """Request a reduction of a line of the list under this name, unless the name is known."""
         if name not in self.places:
             self.places[name] = len(self.results)
             self.results.append(Result(line, *reduction))
@@ -88,6 +90,7 @@ class _DesignSums:
         """A figure of every design from results (results, n), and which of its means are doubtful."""
 
         def result_of(name: str) -> Array:
+            """The results (n,) requested under this name."""
             return np.asarray(values[self.places[name]])
 
         name = sampled_source(quantity.signal)
@@ -121,6 +124,7 @@ def reduced_figures(
     steep = [place for name, place in gathered.places.items() if name.startswith("steep")]
 
     def part(start: int) -> None:
+        """Fill in figures and doubts of the chunk of designs that begins at number ``start``."""
         here = slice(start, min(start + CHUNK, count))
         chunk = {name: numbers[here] for name, numbers in arrays.items()}
         lanes = listed.trace.evaluate(given, listed.values(chunk, speed=speed_of(chunk, request.speed)))

@@ -88,6 +88,7 @@ class FigureRequest:
         values = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
 
         def work(rows: Integers, sampler: Sampler) -> None:
+            """Fill in the figures of the designs numbered ``rows``."""
             values[:, rows] = _Chunk(self, sampler, rows).figures(self.figures)
 
         self.designs(arrays).in_blocks(CHUNK, work)
@@ -113,6 +114,7 @@ class _Chunk:
     """Designs whose tops are searched together; their samples are discarded block by block."""
 
     def __init__(self, request: FigureRequest, sampler: Sampler, rows: Integers) -> None:
+        """Prepare the designs numbered ``rows``, whose signals the ``sampler`` computes."""
         self.request, self.sampler, self.rows = request, sampler, rows
         self.faulty, self.doubtful = np.zeros((2, len(rows)), dtype=bool)
         self.farthest = np.zeros(len(rows))
@@ -306,6 +308,7 @@ class _Chunk:
         near = extreme.value(np.max(result.heights, axis=1), sides)
 
         def heights(top: Integers, phi: Array) -> Array:
+            """Heights of the extreme's signal at crank angles ``phi``, rad, of the curves on which the tops lie."""
             seen = self._signal_at(extreme.signal, result.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 

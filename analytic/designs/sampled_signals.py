@@ -108,6 +108,7 @@ class Designs:
         self.zero_of_s  # noqa: B018 - known before threads ask for it
 
         def part(start: int) -> None:
+            """Call ``work`` with the block that begins at design number ``start``, without NumPy's warnings."""
             with np.errstate(all="ignore"):
                 if self.trace is not None:
                     work(np.arange(start, min(start + size, self.count)), self._traced_samples)
@@ -153,7 +154,10 @@ class Designs:
         outputs = replace(self, signals=(OUTPUT_COORDINATE, "v"), speed=-1.0, acceleration=0.0)  # v is its derivative
 
         def work(rows: Integers, sampler: Sampler) -> None:
+            """Fill in the output's highest coordinate, m, of the designs numbered ``rows``."""
+
             def seen(name: str, phi: Array) -> Array:
+                """The signal of this name (designs, angles) of the block at crank angles, rad."""
                 return sampler(rows, phi, (name,)).signals[name]
 
             heights = seen(OUTPUT_COORDINATE, np.broadcast_to(turn, (len(rows), TURN)))
@@ -248,6 +252,7 @@ def evaluate_designs(
     moves = np.zeros(values.shape[1:], dtype=np.bool_)
 
     def work(rows: Integers, sampler: Sampler) -> None:
+        """Fill in the signals of the designs numbered ``rows``, NaN where a design cannot move."""
         samples = sampler(rows, np.broadcast_to(places, (len(rows), len(places))), chosen)
         moves[rows] = samples.moves
         for row, name in zip(values, chosen, strict=True):

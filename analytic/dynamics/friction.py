@@ -75,6 +75,7 @@ def contacts(sweep: Sweep) -> Iterator[Contact]:
 
 
 def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
+    """The named points of a link or of the ground, in its own frame, m."""
     return sweep.linkage.ground if body == GROUND else sweep.linkage.links[body].points
 
 
@@ -141,6 +142,7 @@ def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
 
 
 def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> NDArray[np.bool_]:
+    """Whether a ``step`` (m, n) is negligible beside the ``frictions`` (m, n) that it changes, (n,)."""
     return np.asarray(np.all(np.abs(step) <= within * np.max(np.abs(frictions), axis=0), axis=0))
 
 

@@ -57,6 +57,7 @@ class LinkBalance:
     """
 
     def __init__(self, sweep: Sweep, loads: Iterable[Load]) -> None:
+        """Enter the ``loads`` on all links; raises AssemblyError where the linkage is in a dead position."""
         structure = sweep.structure
         self.structure = structure
         self.drive: Scalar = 0.0  # force of a cylinder
@@ -269,6 +270,7 @@ def _wrenches_by_equilibrium(balance: LinkBalance, group: Group) -> list[tuple[G
 
 
 def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
+    """The array shapes of all components of unit reactions, so that they can be broadcast together."""
     yield from (np.shape(part) for _, unit in columns for part in (*unit.far, *unit.near))
 
 
@@ -289,6 +291,7 @@ def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitRea
 
 
 def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
+    """The reaction to a force and a moment: both with the other sign."""
     return (-force[0], -force[1], -moment)
 
 

@@ -66,6 +66,7 @@ def _weighted_products(sweep: Sweep, link: str, order: int) -> Scalar:
 
 
 def _own_inertia(body: Link) -> Scalar:
+    """A link's moment of inertia about its mass centre, kg m²; 0 for a link without one."""
     return 0.0 if body.inertia is None else body.inertia
 
 
@@ -223,6 +224,7 @@ class EquationOfMotion:
         return self._terms_of(self.mechanism.sweep(angle))
 
     def _terms_of(self, sweep: Sweep) -> Array:
+        """The ``terms`` at the crank angles of a sweep, computed in closed form."""
         inertia = reduced_inertia(sweep)
         moment = generalised_force(sweep) + self.torque(sweep.angle)[0]
         slope = half_inertia_derivative(sweep)
@@ -236,6 +238,7 @@ class EquationOfMotion:
         most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
 
         def moment(terms: Array) -> Array:
+            """Largest |moment| over Jeq, rad/s², by ``terms``, with the torque over time at its largest."""
             return np.asarray(np.abs(terms[0]) + most * np.abs(terms[3]) if most else np.abs(terms[0]))
 
         if self.table is not None:
@@ -299,6 +302,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
     """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
 
     def inertia(angle: Array) -> Array:
+        """Jeq, kg m², at crank angles, rad, of any shape; NaN where the linkage is not assembled."""
         return mechanism.where_assembled(reduced_inertia, angle.ravel()).reshape(angle.shape)
 
     linkage = mechanism.linkage
@@ -356,9 +360,11 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     law = crank_torque(torque)
 
     def moment_of(sweep: Sweep) -> Array:
+        """Moment on the crank, N m, of all loads and the crank torque, at the angles of a sweep."""
         return np.asarray(generalised_force(sweep) + law(sweep.angle)[0])
 
     def moment(angle: Array) -> Array:
+        """Moment on the crank, N m, at crank angles, rad."""
         return moment_of(mechanism.sweep(angle))
 
     is_linear = mechanism.linkage.is_linear
@@ -446,6 +452,7 @@ def _reversals(mechanism: Mechanism) -> list[float]:
     turns = round(mechanism.period / FULL_TURN)
 
     def rate(phi: Array, number: int) -> Array:
+        """Rate over φ of the relative motion in the joint with friction of this number, at crank angles, rad."""
         sweep = mechanism.sweep(phi)
         return np.broadcast_to([*contacts(sweep)][number].rate, phi.shape)
 

@@ -78,6 +78,7 @@ class FreeMotion:
         instants = self._instants(2 * NODES)
 
         def size(time: Array) -> Array:
+            """|ω|, rad/s, at instants (n,), s, as one curve (1, n)."""
             return np.abs(self.speed(time))[None]
 
         return float(highest(size, instants, size(instants))[0][0])
@@ -118,6 +119,7 @@ class FreeMotion:
         push = DISTURBANCE * self.equation.peak_moment
 
         def disturbed(angle: Array, speed: Array) -> Array:
+            """Acceleration, rad/s², with every term wrong by ``DISTURBANCE`` in the worst direction."""
             moment, damping, slope = self.equation.terms(angle)[:3]
             more, less = 1.0 + DISTURBANCE, 1.0 - DISTURBANCE
             return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
@@ -272,6 +274,7 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
     """Mean speeds, rad/s, over time and over φ, and the extreme speeds, between two instants, s."""
 
     def speed(phase: Array) -> Array:
+        """Speed, rad/s, at a phase of 0 to 2π, which spans the time from ``start`` to ``end``."""
         return motion.speed(start + (end - start) * (phase % FULL_TURN) / FULL_TURN)
 
     result, time = extremes(speed, SAMPLES_PER_TURN * turns), end - start
@@ -359,6 +362,7 @@ def _stalls(equation: EquationOfMotion, speed: float) -> bool:
     step, square = float(angle[2]), speed * speed
 
     def gain(at: int, value: float) -> float:
+        """Increase of ω², rad²/s², over a step from the table's place ``at``, where ω² is ``value``."""
         drag = math.copysign(damping[at] * math.sqrt(max(value, 0.0)), speed)
         return 2.0 * step * (moment[at] - drag - slope[at] * value)
 

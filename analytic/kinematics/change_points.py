@@ -82,6 +82,7 @@ class _Chain:
     """
 
     def __init__(self, pivot: Revolute | Prismatic, angle: Any, order: int = 0) -> None:  # noqa: ANN401
+        """Place the ground and the driver at these angles, rad, with derivatives up to ``order``."""
         self.angle = np.asarray(angle)
         self.windows: Windows = {}
         moving = crank_motion(pivot, self.angle)[: order + 1]
@@ -119,6 +120,7 @@ class _ChangePointSearch:
     """Dyad after dyad: those before it are followed through their own change points already."""
 
     def __init__(self, structure: Structure, start: float) -> None:
+        """Search the dyads one by one; ``start``, rad, is where the structure's signs hold."""
         self.dyads = list(structure.dyads)
         assert structure.pivot is not None
         self.pivot, self.start = structure.pivot, start
@@ -215,6 +217,7 @@ class _ChangePointSearch:
         return margin / lengths
 
     def _touch_of_chain(self, number: int, chain: _Chain) -> Touch:
+        """The touch of dyad ``number`` at the first angle of a chain."""
         return Touch(chain.angle[0], *(part[0] for part in self._margin(number, chain)))
 
     def _patch(self, number: int, touch: Touch, apart: float) -> Patch:

@@ -132,6 +132,7 @@ class _Margins:
     """The margins of a linkage's groups over the crank angle: the lengths left before links fail to meet."""
 
     def __init__(self, linkage: Linkage, structure: Structure, start: float) -> None:
+        """Note each group's sign at ``start``, rad; raises AssemblyError where it cannot be assembled there."""
         self.structure, self.start = structure, start
         here = np.array([start])
         sweep = Sweep(linkage, structure, here)
@@ -224,6 +225,7 @@ class _Margins:
         """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
 
         def margin(offset: float) -> float:
+            """The margin of the group numbered ``row`` at one offset from the start, rad."""
             return float(self.margins(np.array([offset]))[row, 0])
 
         if margin(end) >= 0.0:

@@ -74,6 +74,7 @@ class Matching:
     """As many equations as can be, each of a body or pin that it determines, which has an unknown for it."""
 
     def __init__(self, sizes: Mapping[str, int], equations: Sequence[Equation]) -> None:
+        """Match equations with unknowns, of which bodies and pins have ``sizes``, from the driver outwards."""
         self.sizes, self.equations = sizes, equations
         self.held: dict[str, set[int]] = {name: set() for name in sizes}  # numbers of the equations
         self.locked: set[str] = set()
@@ -191,6 +192,7 @@ class _PlacedBodies:
     """The bodies ``placed`` so far, and the groups that others form with them."""
 
     def __init__(self, linkage: Linkage) -> None:
+        """Begin with the ground alone; each pin in a slot is replaced by a massless slider."""
         self.linkage = _with_slot_sliders(linkage)
         self.bodies = self.linkage.links
         self.pins_of: dict[str, list[Pin]] = defaultdict(list)
@@ -220,6 +222,7 @@ class _PlacedBodies:
         known = self.placed | {*bodies}
 
         def placed_first(names: Iterable[str]) -> list[str]:
+            """Names sorted: placed bodies first, among these the ground, then in alphabetical order."""
             return sorted(names, key=lambda name: (order.get(name, name != GROUND), name))
 
         for pin in sorted({pin for body in bodies for pin in self.pins_of[body]}, key=lambda pin: pin.point):

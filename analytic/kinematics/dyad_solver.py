@@ -47,6 +47,7 @@ class DyadSolver:
         return _of_links(self.link_poses)
 
     def _of_hosts(self, known: Mapping[str, Any]) -> tuple[Any, Any]:
+        """What is ``known`` of the two hosts: their poses or a derivative of them."""
         first, second = self.hosts
         return known[first], known[second]
 
@@ -92,6 +93,7 @@ class DyadSolver:
 
 
 def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What was computed of the links alone: a cylinder, which is no link, has None."""
     return tuple(part for part in sides if part is not None)
 
 

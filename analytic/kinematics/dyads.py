@@ -50,6 +50,7 @@ class Rod:
     x: Scalar
 
     def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
+        """A side that turns about an outer pin; ``arm``, m, reaches in the link's frame to the point that counts."""
         self.near, self.far, self.arm, self.length = outer.near_local, outer.far_local, arm, length
         square = length * length
         self.over = (arm[0] / square, arm[1] / square)
@@ -104,6 +105,7 @@ class Rail:
     length = 1.0  # of e
 
     def __init__(self, outer: Prismatic, local: Vector) -> None:
+        """A side that slides on an outer guide; ``local``, m, is the point that counts in the link's frame."""
         self.along, self.turn, self.local, self.start = outer.along, outer.turn, local, point_on_rail(outer, local)
 
     def place(self, host: Pose) -> None:
@@ -155,6 +157,7 @@ class Strut(Rod):
     """The driving cylinder: a rod of the length φ, which turns about its near end and is no link, so has no pose."""
 
     def __init__(self, cylinder: DrivenDistance, length: Scalar) -> None:
+        """A cylinder as a side, with its length, m."""
         self.near, self.length = cylinder.near_local, length
 
     def pose(self, vector: Pair) -> None:  # type: ignore[override]
@@ -197,6 +200,7 @@ class _DyadForm:
     make_sides: Callable[[], tuple[Any, ...]]
 
     def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
+        """Set up the sides of a dyad; ``sign`` selects its assembly mode, ``coordinate`` is φ for a cylinder."""
         self.dyad, self.sign, self.coordinate = dyad, sign, coordinate
         self.joints: tuple[Any, ...] = dyad.joints  # of the kinds that the group's says
         self.sides = self.make_sides()
@@ -278,6 +282,7 @@ class _PinDyad(_DyadForm):
         return first.column(links[0]), second.column(links[1])
 
     def _bases_size(self) -> Scalar:
+        """Sum of the magnitudes of both bases' coordinates, m: the scale of rounding in their difference."""
         first, second = self.sides
         return _size(first.base, second.base)
 
@@ -381,6 +386,7 @@ class RRP(_PinDyad):
         return rod.pose(rod.r), rail.pose(self.pin)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
+        """As the base class, with the sides exchanged."""
         return super()._solved(carried[::-1])  # r⊥ × e is −r · e
 
     def dead_position(self) -> str:

@@ -34,6 +34,7 @@ class ErrorBounds:
     """Bounds for every body of a sweep at each of its crank angles: its motion in numbers that carry their errors."""
 
     def __init__(self, sweep: Sweep) -> None:
+        """Bound the errors at the angles of a sweep; those close to a change point move to the nearest node."""
         angle = np.atleast_1d(np.array(sweep.angle, dtype=float)).ravel()
         for dyad in sweep.structure.dyads:
             if dyad.changes:
@@ -89,6 +90,7 @@ class ErrorBounds:
         self.motions |= bounded
 
     def _filled(self, parts: Any) -> list[Array]:  # noqa: ANN401 - a pose or a rate
+        """The numbers of a pose or a rate, each as an array over the crank angles."""
         return [np.broadcast_to(np.asarray(part, dtype=float), self.sweep.angle.shape) for part in parts]
 
     def _elimination_error(self, matrix: Array, motions: Array, lengths: NDArray[np.bool_]) -> Array:

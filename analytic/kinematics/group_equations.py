@@ -159,6 +159,7 @@ class GroupSystem:
     def __init__(
         self, joints: Sequence[GroupJoint], links: Sequence[str], hosts: Motions, coordinate: Array, unit: float
     ) -> None:
+        """Set up the equations of ``joints`` between ``links`` and ``hosts`` at φ (n,); ``unit``, m, scales lengths."""
         self.joints, self.links, self.hosts, self.coordinate = joints, links, hosts, coordinate
         self.count = len(coordinate)
         self.columns = np.tile([unit, unit, 1.0], len(links))

@@ -115,6 +115,7 @@ def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBra
 
 
 def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
+    """The branch through these nodes; ``turns`` as from ``_turns``, ``strays`` if it leaves the configuration."""
     places = np.array([node.coordinate for node in nodes])
     return GroupBranch(places, np.stack([n.state for n in nodes]), problem.unit, turns, problem.is_linear, strays)
 
@@ -213,6 +214,7 @@ class GroupSolver:
     """A group being solved; the mappings hold every body placed before it."""
 
     def __init__(self, group: Group, coordinate: Array) -> None:
+        """Solve a group of a higher class at values of φ of any shape."""
         self.group = group
         self.hosts = group.hosts
         self.shape = np.shape(coordinate)
@@ -258,10 +260,12 @@ class GroupSolver:
         return GroupSystem(self.group.joints, self.group.links, hosts, self.coordinate, self.branch.unit)
 
     def _flat(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
+        """The numbers of a pose or a rate, each as a flat array over φ."""
         count = (len(self.coordinate),)
         return tuple(np.ravel(np.broadcast_to(np.asarray(part, dtype=float), self.shape or count)) for part in parts)
 
     def _shaped(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
+        """The numbers of a pose or a rate, each in the shape of φ."""
         return tuple(part.reshape(self.shape) for part in parts)
 
     def margin(self) -> Scalar:
@@ -334,6 +338,7 @@ def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group
 
 
 def _point_names(points: Points) -> set[str]:
+    """Names, in quotes, of all points."""
     return {f"'{point}'" for places in points.values() for point in places}
 
 
@@ -408,5 +413,6 @@ def _distinct(values: Array, unit: float) -> list[Array]:
 
 
 def _are_same(values: Array, other: Array, unit: float) -> bool:
+    """Whether two configurations (links, 3) are the same but for rounding; whole turns do not count."""
     turned = np.abs(np.exp(1j * values[:, 2]) - np.exp(1j * other[:, 2]))
     return bool(np.max(np.abs(values[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)

@@ -39,6 +39,7 @@ class Mechanism:
     """
 
     def __init__(self, linkage: Linkage) -> None:
+        """The closed form of a linkage; raises StructureError or AssemblyError where it has none."""
         self._assemble(linkage, ())
 
     def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
@@ -98,6 +99,7 @@ class Mechanism:
 
     @cached_property
     def _top_of_output(self) -> float:
+        """The output's largest coordinate over a turn, m; raises LinkproofError without a full turn."""
         try:
             self.check_full_turn()
             return float(np.max(self.sweep(self.output_reversals).output()))
@@ -171,6 +173,7 @@ def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mech
 
     @wraps(function)
     def value_of(mechanism: Mechanism) -> Value:
+        """The value for a mechanism, computed at the first call only."""
         if mechanism not in known:
             known[mechanism] = function(mechanism)
         return known[mechanism]

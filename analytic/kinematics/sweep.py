@@ -198,6 +198,7 @@ class Sweep:
 
     @cached_property
     def _carriers(self) -> dict[str, str]:
+        """By the name of a point, the moving link on it that is solved first."""
         links = self.linkage.links
         order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
         return {point: body for body in reversed(order) if body in links for point in links[body].points}
@@ -223,6 +224,7 @@ class Sweep:
         return self._centres[body, order]
 
     def _filled(self, pair: Pair) -> Array:
+        """The components of a vector as one array, each over all angles: (2, *angle.shape)."""
         return np.stack([np.broadcast_to(part, self.angle.shape) for part in pair])
 
     def output(self, order: int = 0) -> Array:

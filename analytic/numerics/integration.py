@@ -83,6 +83,7 @@ class Windows:
     speed: Array
 
     def _window_and_place(self, time: Array) -> tuple[NDArray[np.intp], Array]:
+        """For instants, s: the number of each one's window, and its place there, -1 to 1."""
         window = np.clip(np.searchsorted(self.starts, time, side="right") - 1, 0, len(self.base) - 1)
         left, right = self.starts[window], self.starts[window + 1]
         return window, ((time - left) - (right - time)) / (right - left)
@@ -126,6 +127,7 @@ class _Path:
     """
 
     def __init__(self, scheme: GaussScheme, start: tuple[float, float], period: float) -> None:
+        """Begin a motion at ``start``, (φ, ω), in rad and rad/s."""
         self.scheme, self.period = scheme, period
         self.angle, self.speed = start
         self.acceleration = 0.0

@@ -78,6 +78,7 @@ def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array,
     result = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
 
     def heights(top: Integers, places: Array) -> Array:
+        """Heights of the curves on which tops lie, at places (tops, n)."""
         rows, row = np.unique(result.curve[top], return_inverse=True)
         seen = curves(rows, places.ravel()).reshape(len(rows), *places.shape)
         return np.asarray(seen[row, np.arange(len(top))])
@@ -242,6 +243,7 @@ def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
     values = quantity(angle)
 
     def both(phi: Array) -> Array:
+        """The quantity and its negative at crank angles, rad: two curves whose tops are its extremes."""
         return np.stack([seen := quantity(phi), -seen])
 
     closed = np.append(values, values[0])  # the turn's end, where a top may lie just before its start

@@ -46,10 +46,12 @@ class Rounded(NDArrayOperatorsMixin):
     __slots__ = ("bound", "value")
 
     def __init__(self, value: ArrayLike, bound: Array | None = None) -> None:
+        """A number with a ``bound`` of its error, by default half a unit in its last place."""
         self.value: Any = np.asarray(value, dtype=float)
         self.bound: Any = UNIT * np.abs(self.value) if bound is None else bound
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:  # noqa: ANN401
+        """Apply a function of NumPy and carry the bounds through it, with the rounding of its own."""
         if method != "__call__" or options or ufunc not in RULES:
             return NotImplemented
         values = [item.value if isinstance(item, Rounded) else item for item in inputs]

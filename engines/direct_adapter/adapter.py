@@ -105,6 +105,7 @@ def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[f
     low, high, repeats = path.low, path.high, path.turns is not None
 
     def rate(time: float, state: Array) -> tuple[float, float]:
+        """φ̇ and φ̈ at a time, s, in a state (φ, φ̇); NaN outside the path."""
         angle, speed = state.tolist()
         place = low + (angle - low) % FULL_TURN if repeats else angle
         if not low <= place <= high:
@@ -309,12 +310,15 @@ class DirectEngine:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
+        """Solve the scene, whatever the setting: there is nothing to tune."""
         return _run(scene, None, Cost())  # a control has no defaults to be naive with, and nothing left to extrapolate
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
+        """The one method there is, for any scene."""
         return METHODS
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        """Solve the scene with samples every ``step`` seconds; raises UnknownNameError for another method."""
         check_step(step)
         if method.name != METHODS[0].name:
             raise UnknownNameError("method", method.name, [METHODS[0].name])
@@ -322,6 +326,7 @@ class DirectEngine:
 
 
 def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
+    """The run of a scene, an error as its outcome; samples are ``spacing``, s, apart, or as the adapter chooses."""
     return run_stepping(cost, lambda: _solved_history(scene, spacing, cost))
 
 

@@ -254,6 +254,7 @@ def reach(equations: Equations, low: float, high: float) -> Path:
     top, above = _follow_path(equations, start, high)
 
     def gain(coordinate: Reals) -> Reals:
+        """The coordinates' gain (n, k) at φ (n,): of the path below the start, or above it."""
         return np.where(coordinate[:, None] < start, below(coordinate), above(coordinate))
 
     return Path(equations, bottom, top, gain, None)
@@ -268,6 +269,7 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
     most = equations.solves + EVALUATIONS * (1.0 + abs(end - start) / FULL_TURN)
 
     def rate(coordinate: float, state: Reals) -> Reals:
+        """The coordinates' derivatives (k,) over φ, drawn back onto the joints; NaN where they are singular."""
         if equations.solves > most:
             return np.full_like(state, np.nan)
         place = np.array([coordinate])

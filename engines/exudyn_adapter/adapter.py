@@ -49,6 +49,7 @@ class ExudynModel:
     """
 
     def __init__(self, scene: Scene) -> None:
+        """List the items of exudyn's system for a scene: bodies, joints, loads, springs and drive."""
         self.items: list[tuple[str, str, dict[str, Any], tuple[str, str, Any] | None]] = []
         self.counts: Counter[str] = Counter()
         self.scene = scene
@@ -106,12 +107,15 @@ class ExudynModel:
         return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
     def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
+        """Number of a new object."""
         return self._add_item("Object", kind, data, law)
 
     def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
+        """Number of a new marker."""
         return self._add_item("Marker", kind, data)
 
     def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
+        """Add a load at a marker; a ``law`` makes it vary."""
         self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
     def _angle_marker(self, body: str) -> int:
@@ -403,5 +407,6 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     studied = STUDIED
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for exudyn's loop; see ``LoopEngine.model``."""
         settings = {"settings": recipe.solver_settings(), "static_settings": STATIC_SETTINGS}
         return ExudynModel(scene).as_data() | settings | {"as_shipped": recipe.as_shipped}

@@ -49,6 +49,7 @@ class LinearDriver:
     """
 
     def __init__(self, given: Data, travel: Callable[[float, int], float]) -> None:
+        """Hold the driver's ends; ``travel`` gives φ, m, or its derivative by time, s, and order."""
         self.ends, self.along, self.travel = given["ends"], given["along"], travel
 
     def span(self, coordinates: Sequence[float]) -> tuple[float, list[float]]:
@@ -77,10 +78,12 @@ class LinearDriver:
         """The constraint, one equation on position or velocity level, and its Jacobian."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
+            """The error of φ, m, or of its rate, m/s, at time ``t``, in the form that exudyn calls."""
             length, gradient = self.span(q)
             return [sum(map(mul, gradient, q_t)) - self.travel(t, 1) if at_velocity else length - self.travel(t, 0)]
 
         def jacobian(_mbs: Any, _t: float, _item: int, q: Any, *_: object) -> Array:  # noqa: ANN401
+            """The gradient of φ over the coordinates ``q``, in the form that exudyn calls."""
             return np.array([self.span(q)[1]])
 
         return {"scalingMarker0": np.zeros((1, 1)), "constraintUserFunction": gap, "jacobianUserFunction": jacobian}
@@ -94,6 +97,7 @@ class ExudynWorld:
     """
 
     def __init__(self, given: Data) -> None:
+        """Build exudyn's system from the items of a model and assemble it."""
         self.given, self.container = given, exudyn.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.begin = 0.0  # the time at which exudyn's is 0, s
@@ -125,6 +129,7 @@ class ExudynWorld:
         over_angle = lru_cache(maxsize=1)(lambda angle: law_values(values, angle))  # it is evaluated at every iteration
 
         def load(mbs: Any, t: float, *_: object) -> Any:  # noqa: ANN401
+            """Components of the load at exudyn's time ``t``, s, in the form that exudyn calls."""
             if by == "angle":
                 components = over_angle(self.angle(mbs, t))
             else:  # a free driver's, along a direction; of a cylinder the pull

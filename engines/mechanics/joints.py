@@ -92,6 +92,7 @@ class JointEquations:
         self._template = self._constant_entries()
 
     def _numbers(self, names: list[str]) -> Numbers:
+        """Numbers of bodies, given by their names."""
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
@@ -122,6 +123,7 @@ class JointEquations:
         self.crank_column = int(self.column[self.crank, 2]) if self.driver.turns else self.size
 
     def _can_turn(self, name: str) -> bool:
+        """Whether a body, by its name, has an angle among the free coordinates."""
         return bool(self.column[self.index[name], 2] != self.size)
 
     def _constant_entries(self) -> Reals:
@@ -242,10 +244,12 @@ def scene_size(scene: Scene) -> float:
 
 
 def _vector_array(pairs: list[Vector]) -> Reals:
+    """Plane vectors as an array (n, 2), also where there are none."""
     return np.array(pairs, dtype=float).reshape(-1, 2)
 
 
 def _power_of_two(length: float) -> float:
+    """The power of two nearest to a length, so that scaling by it rounds nothing; 1 for no usable length."""
     return 2.0 ** round(math.log2(length)) if length > 0.0 and math.isfinite(length) else 1.0
 
 
@@ -363,6 +367,7 @@ def without_potential(scene: Scene) -> Scene:
 
 
 def _add_force(loads: Reals, body: int, arm: Reals, force: Reals) -> None:
+    """Add a force (n, 2), N, at an ``arm`` from the mass centre to the ``loads`` on a body, in place."""
     loads[:, body, :2] += force
     loads[:, body, 2] += dot(across(arm), force)
 

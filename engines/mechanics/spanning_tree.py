@@ -182,6 +182,7 @@ def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
 
 
 def _joined_bodies(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
+    """Names of a joint's two bodies."""
     return (joint.first, joint.second) if isinstance(joint, PinJoint) else (joint.body, joint.host)
 
 

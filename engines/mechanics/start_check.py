@@ -188,6 +188,7 @@ def _has_usable_numbers(part: object) -> bool:
 
 
 def _named_bodies(part: object) -> set[str]:
+    """Names of the bodies that a part of a scene refers to."""
     return {getattr(part, name) for name in BODY_FIELDS if hasattr(part, name)}
 
 

@@ -152,6 +152,7 @@ class Driver:
     """The driver of a scene, lengths counted in ``unit``; ``scale`` is what φ counts in: rad, or that unit in m."""
 
     def __init__(self, scene: Scene, unit: float = 1.0) -> None:
+        """Find the bodies of a scene's driver; lengths count in ``unit``, m."""
         numbers = body_numbers(scene)
         self.kind = scene.driver_kind
         self.turns = self.kind is DriverKind.CRANK

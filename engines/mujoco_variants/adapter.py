@@ -56,6 +56,7 @@ class ClockedModel(MujocoModel):
     """The model with a clock, a body whose hinge the driven joint follows."""
 
     def xml(self, recipe: MujocoRecipe) -> Element:
+        """MuJoCo's XML with a clock: a heavy body whose angle the crank follows by an equality."""
         root = super().xml(recipe)
         inertia = HEAVY * sum(body.mass for body in self.scene.bodies) * scene_size(self.scene) ** 2
         clock = SubElement(next(root.iter("worldbody")), "body", name="/clock")
@@ -94,6 +95,7 @@ class MjxEngine(MujocoEngine):
     }
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for the loop of a variant, with its precision; see ``LoopEngine.model``."""
         assert isinstance(recipe, VariantRecipe)
         model = ClockedModel(scene, recipe).as_data(recipe)
         return {**model, "precision": recipe.precision, "ratio": recipe.ratios[0]}

@@ -16,6 +16,7 @@ def after_steps(model: mjx.Model, state: mjx.Data, motion: jax.Array) -> mjx.Dat
     """The state after one step by each row of the clock's motion."""
 
     def step(state: mjx.Data, row: jax.Array) -> tuple[mjx.Data, None]:
+        """Set the clock by a row of its motion and take one step, in the form of ``jax.lax.scan``."""
         clock = {name: getattr(state, name).at[-1].set(value) for name, value in zip(SET[:3], row, strict=True)}
         after = mjx.step(model, state.replace(**clock))
         # In double precision MJX 3.17 makes an integer of tendons longer, which a scan does not take.
@@ -34,6 +35,7 @@ class MjxWorld(ClockedWorld):
     compiled = ""  # the precision of what JAX holds compiled
 
     def __init__(self, given: Data) -> None:
+        """Put the model and the start state on JAX's device and compile the step."""
         super().__init__(given)
         if MjxWorld.compiled not in ("", given["precision"]):
             jax.clear_caches()  # JAX 0.10 mixes constants of both up in what it has traced
@@ -47,13 +49,16 @@ class MjxWorld(ClockedWorld):
             )
 
     def begin(self) -> None:
+        """See ``ClockedWorld``."""
         self.other = mjx.put_model(self.model)
 
     def advance(self, motion: Array) -> None:
+        """See ``ClockedWorld``."""
         self.state = stepped(self.other, self.state, motion)
         self.fetch()
 
     def compute(self, settled: bool) -> None:
+        """See ``ClockedWorld``."""
         self.state = self.state.replace(**{name: jax.numpy.array(getattr(self.data, name)) for name in SET})
         if settled:
             self.state = forward(self.other, self.state)
@@ -65,6 +70,7 @@ class MjxWorld(ClockedWorld):
         self.fill(values, np.roll(values["efc_force"], 1))
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
+        """See ``ClockedWorld``; computed in the precision of the model."""
         with jax.enable_x64(self.given["precision"] == "f64"):
             yield from super().states(part, course, warnings)
 

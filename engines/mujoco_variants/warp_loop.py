@@ -13,6 +13,7 @@ class WarpWorld(ClockedWorld):
     """A world of MuJoCo Warp, whose kernels are compiled before its first step."""
 
     def __init__(self, given: Data) -> None:
+        """Put the model and the start state on Warp's device and compile the step by taking one."""
         super().__init__(given)
         self.device = warp.get_preferred_device().name
         self.begin()
@@ -24,11 +25,13 @@ class WarpWorld(ClockedWorld):
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:
+        """See ``ClockedWorld``."""
         self.other = mujoco_warp.put_model(self.model)
         if self.given["settle"]:  # else J'q' is that of the stage before, and Runge-Kutta's method of first order
             self.other.callback.control = mujoco_warp.make_constraint
 
     def advance(self, motion: Array) -> None:
+        """See ``ClockedWorld``."""
         for row in motion:
             for name, value in zip(SET, row, strict=False):
                 values = getattr(self.state, name).numpy()
@@ -38,6 +41,7 @@ class WarpWorld(ClockedWorld):
         self.fetch()
 
     def compute(self, settled: bool) -> None:
+        """See ``ClockedWorld``."""
         for name in SET:
             getattr(self.state, name).assign(getattr(self.data, name)[None])
         if settled:

@@ -304,6 +304,7 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
     }
 
     def model(self, scene: Scene, recipe: PymunkRecipe) -> Mapping[str, Any]:
+        """The scene as plain data for pymunk's loop; raises UnsupportedError unless it has one degree of freedom."""
         layout = exact_layout(scene) if recipe.centred else plain_layout(scene)
         if layout.freedom != 1:
             raise UnsupportedError(

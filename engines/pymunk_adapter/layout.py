@@ -172,13 +172,16 @@ def _layout_of_parts(
     """The parts as a scene, in the positions their owners start in, with anchors from the parts' own centres."""
 
     def place(name: str, anchor: Vector) -> Vector:
+        """A point of a body, or of the ground, from the mass centre of the body's part."""
         return anchor if name == GROUND else _minus(anchor, parts[name].offset)
 
     def fastened(joint: Fastened) -> Fastened:
+        """A pin, spring or damper with its anchors from the parts' own centres."""
         first, second = place(joint.first, joint.first_anchor), place(joint.second, joint.second_anchor)
         return replace(joint, first_anchor=first, second_anchor=second)
 
     def grooved(joint: Groove) -> Groove:
+        """A slider or slot between the parts that stand for its bodies: their shoe and rail, if any."""
         body, host = shoes.get(joint.name, joint.body), rails.get(joint.name, joint.host)
         anchor, through = place(body, joint.anchor), place(host, joint.through)
         return replace(joint, body=body, anchor=anchor, host=host, through=through)
@@ -232,6 +235,7 @@ def _foot(joint: SliderJoint | SlotJoint, centre: Vector) -> Vector:
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
+    """Difference of two vectors."""
     return (a[0] - b[0], a[1] - b[1])
 
 

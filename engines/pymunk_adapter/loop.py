@@ -52,6 +52,7 @@ class Rod:
     """The line between two points of bodies."""
 
     def __init__(self, first: pymunk.Body, second: pymunk.Body, here: Point, there: Point) -> None:
+        """The line between a point ``here`` of the first body and a point ``there`` of the second."""
         self.ends = (first, here), (second, there)
 
     def length(self, ahead: float) -> float:
@@ -76,6 +77,7 @@ class PymunkWorld:
     """
 
     def __init__(self, given: Data) -> None:
+        """Build pymunk's space from the given data."""
         self.given, self.space = given, pymunk.Space()
         self.counts = given["iterations"] or [self.space.iterations]
         self.space.gravity = given["gravity"]
@@ -133,6 +135,7 @@ class PymunkWorld:
         body = self.ends[number]
 
         def add(ahead: float) -> None:
+            """Add the load to its body for the next step, with φ ``ahead`` seconds from now."""
             values = law_values(law, self.travel(ahead))
             if len(values) == 1:
                 body.torque += values[0]
@@ -162,6 +165,7 @@ class PymunkWorld:
         coming = iter(values.tolist())
 
         def add(ahead: float) -> None:
+            """Add the next value of the load to the driver for the next step."""
             if line is None:
                 crank.torque += next(coming)
             else:
@@ -178,6 +182,7 @@ class PymunkWorld:
         body, *others = (end for end in (first, second) if end in self.bodies)
 
         def add(_ahead: float) -> None:
+            """Add the damper's torque to both bodies for the next step, extrapolated from the last two rates."""
             nonlocal last
             rate = turning(body)
             for other in others:
@@ -197,6 +202,7 @@ class PymunkWorld:
         lengths: list[float] = []
 
         def add(ahead: float) -> None:
+            """Push the spring's ends against the rate of its length in the next step."""
             if not lengths:
                 lengths.extend((rod.length(-ahead), rod.length(0.0)))
             before, last, now = *lengths, rod.length(ahead)
@@ -255,6 +261,7 @@ def follow(world: PymunkWorld, course: Data) -> Data:
         result["torque"] = times, given["offset"] - torque if centred else torque
 
     def state(steps: Any, ahead: float = 0.0, rates_of: Any = None) -> tuple[Array, Array]:  # noqa: ANN401
+        """Positions and velocities of mass centres after these steps; ``rates_of`` names other steps for the rates."""
         of, rate = (np.searchsorted(looks, each) for each in (steps, steps if rates_of is None else rates_of))
         return centre_motion(given["offsets"], seen[of, :, 0], seen[rate, :, 1], ahead)
 

@@ -54,6 +54,7 @@ def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:
+        """A signal with its values times a factor; None for no signal."""
         return None if signal is None else replace(signal, values=signal.values * np.asarray(factor))
 
     return History(

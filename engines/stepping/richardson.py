@@ -32,6 +32,7 @@ def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[
     """One history, each signal made of those of its channel; a channel is None where all histories lack it."""
 
     def combine_channel(name: str) -> Signal | None:
+        """The combined signal of a channel; None where no history has it."""
         present = [signal for history in histories if (signal := getattr(history, name)) is not None]
         return combine(present) if present else None
 
@@ -85,6 +86,7 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
     share = weigh([each.step for each in passes], orders)
 
     def weighted(signals: Sequence[Signal]) -> Signal:
+        """The weighted sum of signals; raises ValueError where their sample times differ."""
         time = signals[0].time
         for signal in signals:
             if len(signal.time) != len(time) or np.abs(signal.time - time).max() > CLOCK_ROUNDING * np.ptp(time):

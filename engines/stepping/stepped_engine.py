@@ -82,6 +82,7 @@ class Recipe(Pace):
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest_step(self, speed: float) -> float:
+        """The longest step, s, at a driver ``speed``, rad/s or m/s."""
         turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 
@@ -207,6 +208,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
+        """The run of a scene by a recipe; a reason not to run, or a failure, becomes its outcome."""
         absent = self.why_unavailable() or why_absent(self.package, self.name)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
@@ -218,6 +220,7 @@ class SteppedEngine(ABC, Generic[World, R]):
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
+        """The history of a scene, extrapolated from all passes of the recipe; fills in ``cost``."""
         given, units, courses = self.planned(scene, recipe, cost)
         passes = [self._pass(given, course) for course in courses]
         parts = courses[0].parts
@@ -241,6 +244,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
 
     def _pass(self, scene: Scene, course: Course[R]) -> Pass:
+        """Build a world and take one pass through it, both timed and counted in the course's cost."""
         with course.cost.timing("setup_seconds"):
             world = self.build(scene, course.recipe)
         with course.cost.timing("seconds"):
@@ -306,6 +310,7 @@ def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
 
 
 def _read_signal(pair: tuple[Any, Any]) -> Signal:
+    """The times and values that a loop returns as a signal."""
     time, values = pair
     return Signal(np.asarray(time), np.asarray(values))
 
