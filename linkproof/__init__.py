@@ -85,4 +85,5 @@ if not TYPE_CHECKING:  # to whom every name would be there
 
 
 def __dir__() -> list[str]:
+    """The public names, for completion."""
     return __all__

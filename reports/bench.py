@@ -184,6 +184,7 @@ def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
 
 
 def _place_printout(place: DataFrame, quantity: str, noise: float) -> Iterator[Printed]:
+    """The block of one mechanism, regime and quantity: heading, tables, and what failed."""
     where = place.iloc[0]
     name = f"{where.mechanism} ({where.variant}), {where.regime}"
     measured = plain(quantity) if quantities(place) else ""
@@ -375,10 +376,12 @@ def place_data(place: DataFrame) -> dict[str, Any]:
 
 
 def _sweep_key(record: Row) -> tuple[object, ...]:
+    """The engine, kind and setting of a point, which all points of a sweep share."""
     return (record.engine, record.kind, record.setting)
 
 
 def _shared_facts(record: Row) -> dict[str, Any]:
+    """The facts that all points of a sweep share, JSON-ready, with empty points."""
     return {
         **{name: getattr(record, name) for name in SHARED},
         "way": method_words(record),
@@ -389,6 +392,7 @@ def _shared_facts(record: Row) -> dict[str, Any]:
 
 
 def _point_as_dict(sweep: dict[str, Any], record: Row) -> dict[str, Any]:
+    """The entry of a point in its sweep's data, created there if it is new."""
     words = {name: _digits(getattr(record, name)) for name in OWN}
     table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
     return table
@@ -412,6 +416,7 @@ def method_section(regimes: Regimes, bench: Bench) -> Section:
     noise, overheads = noise_share(bench), large_overheads(bench)
 
     def settings(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
+        """The cells of each setting of an engine: its name, and its error and time."""
         has_methods = bool(sweeps(points))
         for each in standings(points):
             comparison = comparison_words(each, noise).lstrip(":; ") if has_methods else ""
@@ -420,6 +425,7 @@ def method_section(regimes: Regimes, bench: Bench) -> Section:
             yield TableCell(each.record.setting), cell
 
     def methods_of(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
+        """The cells of each method of an engine: its name, and its order and least error."""
         for sweep in sweeps(points):
             first = sweep.iloc[0]
             order = "no order" if first.order is None else f"order {first.order:.1f}"

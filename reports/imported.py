@@ -95,6 +95,7 @@ def sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
+    """The likely cause of the difference in some signals, its rivals, and what it leaves unexplained."""
     aligned = "".join(
         f"with {name} corrected first by {judgement.imported.written(name, c)} " for name, c in finding.aligned.items()
     )
@@ -106,6 +107,7 @@ def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) ->
 
 
 def _names_with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
+    """Names of the signals with this outcome."""
     return [verdict.name for verdict in judgement.verdicts if verdict.outcome is outcome]
 
 
@@ -180,6 +182,7 @@ def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
 
 
 def _remaining_error(finding: FaultFinding) -> str:
+    """The sentence on how much of the difference a cause leaves."""
     apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
@@ -223,6 +226,7 @@ def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
 
 
 def _with_cause(error: Error, judgement: ImportedJudgement) -> Error:
+    """A record whose detail ends in the likely cause, if there is one."""
     words = [f.likeliest.words for f in judgement.explanation.findings if error.quantity in f.signals]
     detail = "; likely cause: ".join([error.detail, *words]).removeprefix("; ")
     return error._replace(detail=detail) if words else error
@@ -247,6 +251,7 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
 
 
 def _finding_as_dict(finding: FaultFinding) -> dict[str, Any]:
+    """A finding as JSON-ready data."""
     return {
         "signals": list(finding.signals),
         "likeliest": _cause_as_dict(finding.likeliest.fault.name, finding.likeliest.words),
@@ -258,6 +263,7 @@ def _finding_as_dict(finding: FaultFinding) -> dict[str, Any]:
 
 
 def _cause_as_dict(kind: str, words: str) -> dict[str, str]:
+    """A cause as JSON-ready data."""
     return {"kind": kind, "words": words}
 
 

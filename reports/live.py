@@ -66,6 +66,7 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
 
 
 def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) -> FileTemplate:
+    """The text of a file with the places, and the written form, of these numbers in it."""
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
 
@@ -99,6 +100,7 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
     groups = {point: [{"body": GROUND, "way": "place", "about": ""}] for point in linkage.ground}
 
     def add_pull(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
+        """Note an effect of pulling at a point, unless the point is on the ground."""
         if point not in linkage.ground:
             groups.setdefault(point, []).append({"body": body, "way": way, "about": about})
 
@@ -198,6 +200,7 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, A
         arrows |= _pair(f"load:{n}", np.broadcast_to(np.array([c * x - s * y, s * x + c * y]), (2, len(phi))))
 
     def curve(name: str) -> Array:
+        """A signal (n,) at the instants: a link's angle, a point's coordinate, or one of the sheet."""
         kind, _, rest = name.partition(":")
         if kind == "link":
             return np.asarray(sweep.angles(rest.removesuffix(":angle")))
@@ -209,6 +212,7 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, A
 
 
 def _pair(name: str, values: Array) -> dict[str, Array]:
+    """The components of a vector by name, ``name:x`` and ``name:y``."""
     return {f"{name}:{axis}": value for axis, value in zip("xy", values, strict=True)}
 
 
@@ -272,6 +276,7 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
 
 
 def _load_labels(linkage: Linkage) -> Iterator[str]:
+    """The labels of all forces, then of all torques."""
     yield from (f"force on {force.point}" for force in linkage.forces)
     yield from (f"torque on {torque.link}" for torque in linkage.torques)
 

@@ -120,6 +120,7 @@ class View:
         return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _read_trace(self, regime: Regime, record: Error) -> Trace:
+        """The curve of a record, with NaN as error at jumps of the acceleration that the quantity follows."""
         time, angle, reference, beyond = self.results.curve(record.run, record.quantity).astype(float)
         error = np.abs(beyond) / (record.peak or 1.0)
         if regime.motion and holds_acceleration(record.quantity):
@@ -227,6 +228,7 @@ def every_record(results: CampaignResults) -> tuple[Error, ...]:
     families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
 
     def rank(record: Error) -> tuple[int, int, str, int, int, str]:
+        """The sort key of a record: mechanism, regime, engine, setting, family, quantity."""
         run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
         return *run, families[family(record.quantity)], record.quantity
 

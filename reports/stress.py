@@ -146,6 +146,7 @@ def _error_and_limit(errors: Sequence[Error]) -> str:
 
 
 def _condition_text(value: object) -> str:
+    """The value of a condition as text."""
     return value_words(value) if isinstance(value, float) else str(value)
 
 
@@ -239,6 +240,7 @@ def incident_table(results: Iterable[Cell]) -> Table:
 
 
 def _incident_row(cell: Cell, others: int) -> tuple[TableCell | Words, ...]:
+    """The cells of a cell of the map; ``others`` more of its axis are not listed."""
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
     return (cell.engine, place, value_words(cell.value), cell.setting, cell.reason, Mono(cell.command))
 
@@ -260,6 +262,7 @@ def printout(stress: Stress) -> Printout:
 
 
 def _incident_line(cell: Cell) -> Paragraph:
+    """A cell's verdict, place and reason, with the command that repeats it."""
     place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.setting}"
     text = f"{cell.verdict.value}: {place}: {cell.reason}\n  {cell.command}"
     return Paragraph(text, colour=SIGNS[cell.verdict].terminal)
@@ -333,6 +336,7 @@ def _incidents(stress: Stress) -> Iterator[Part]:
 
 
 def _run_section(stress: Stress) -> Section:
+    """The section on what was run, where and at what cost."""
     spent = sum(result.spent for result in stress.results)
     cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each a run in {STORE}")
     facts = Facts((*environment_facts(stress.document["environment"]), cells))

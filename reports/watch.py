@@ -50,6 +50,7 @@ class _WatchedFile:
     """A linkage file; the state of a page is a digest of the file that it shows."""
 
     def __init__(self, mechanism: str, motion: Motion) -> None:
+        """Watch a user's own linkage file; raises LinkproofError for an installed one."""
         if loading.read(mechanism).is_known:
             raise LinkproofError(
                 f"expected a file of your own, got '{mechanism}', which is installed; copy it and name the copy"
@@ -82,6 +83,7 @@ class _WatchedFile:
             write_file(self.path, text.replace("\n", ends).encode())
 
     def _file_digest(self) -> str:
+        """A digest of the file's content; "no file" if it cannot be read."""
         with suppress(LinkproofError):
             return hashlib.sha256(read_file(self.path, "a linkage file")).hexdigest()
         return "no file"
@@ -131,6 +133,7 @@ class PageServer(ThreadingHTTPServer):
     """
 
     def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None]) -> None:
+        """Listen on a free port of this machine, under an address that cannot be guessed."""
         self.page, self.save = page, save
         self._open: dict[socket, None] = {}
         super().__init__((HOST, 0), _Request)
@@ -197,6 +200,7 @@ class _Request(BaseHTTPRequestHandler):
         return None
 
     def _send_response(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
+        """Send a status and content with the headers of every answer."""
         self.send_response(status)
         own = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
         for name, value in (HEADERS | own).items():

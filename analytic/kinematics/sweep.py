@@ -100,6 +100,7 @@ class Sweep:
         *,
         zero_of_s: Callable[[], Scalar] = float,
     ) -> None:
+        """Pose the linkage at φ of any shape; where it fails ``faults`` is set or, without it, AssemblyError raised."""
         self.linkage = linkage
         self.structure = structure
         self.angle = angle

@@ -213,6 +213,7 @@ def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
 
 
 def _direction(linkage: Linkage, x: float, y: float) -> str:
+    """The direction of a vector as text, in the file's unit of angle: "30°"."""
     unit = file_unit("rad", linkage)
     return f"{np.arctan2(y + 0.0, x + 0.0) / unit.size:.6g}{'°' if unit.name == 'deg' else f' {unit.name}'}"
 
@@ -359,6 +360,7 @@ def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str,
 
 
 def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
+    """The speeds, rad/s, and the fluctuation of a rotation by name; None without a rotation."""
     names = ("mean_speed", "mean_speed_over_angle", "fluctuation", "smallest", "largest")
     return None if rotation is None else {name: getattr(rotation, name) for name in names}
 

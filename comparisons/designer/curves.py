@@ -144,6 +144,7 @@ class Instants:
 
     @property
     def _slack(self) -> float:
+        """How near, rad or m, two places of the driver are one: the rounding of a period."""
         return ROUNDING * self._period
 
     @cached_property
@@ -359,6 +360,7 @@ class Curves:
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:
+            """The measures at instants, s, stacked, in the form that ``averages`` calls."""
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 

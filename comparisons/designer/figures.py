@@ -92,6 +92,7 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
         return
 
     def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
+        """Figures of torque, power and speed with these values, at one instant if ``time``, s, is given."""
         return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
 
     force = curves.linkage.phi.effort
@@ -157,6 +158,7 @@ def flywheel(case: Case, speed: float, fluctuation: float) -> float:
     work = CubicHermiteSpline(time, excess, mean - steady.on_grid.torque * steady.on_grid.speed)
 
     def bounds(at: Array) -> Array:
+        """The energies, J, whose largest values add up to those of the flywheel, at instants (n,), s: (2, n)."""
         energy = 0.5 * speed**2 * signal(steady.truth_at(at), "Jeq")
         return np.stack([s * (work(at) + energy * (1.0 - (1.0 + 0.5 * s * fluctuation) ** 2)) for s in (1.0, -1.0)])
 
@@ -282,6 +284,7 @@ def _range_limit(mechanism: Mechanism, end: int) -> float:
 
 
 def _pulsation(mechanism: Mechanism) -> float:
+    """Relative pulsation of Jeq over a turn, without unit."""
     return extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))).relative_pulsation
 
 
@@ -321,6 +324,7 @@ def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]
     values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
+        """The measure that is highest at an extreme of a signal."""
         return lambda at: end.height(curves.signal_values(at, end.signal))
 
     places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})

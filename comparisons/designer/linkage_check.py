@@ -346,6 +346,7 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
     low, high = reach.limits
 
     def toggle(entry: Toggle | None) -> str | None:
+        """The sentence of an end of the range; None without an end."""
         return entry.sentence if entry else None
 
     return {

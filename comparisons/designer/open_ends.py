@@ -109,6 +109,7 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
     groups += [limit.dyad for limit in (reach.low, reach.high) if limit and limit.dyad and limit.dyad not in groups]
 
     def least(phi: Array) -> Array:
+        """The least transmission angle, rad, of all groups at φ (n,), as one curve (1, n)."""
         sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
         return np.asarray(np.min([_group_angle(sweep, group) for group in groups], axis=0)[None])
 

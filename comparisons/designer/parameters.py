@@ -88,6 +88,7 @@ class Parameter(Named):
     value: float
 
     def _unit_size(self, unit: str) -> float:
+        """As ``Named``; the units of a linkage's file are those of the number's kind."""
         if self.kind not in UNITS:
             return super()._unit_size(unit)
         try:

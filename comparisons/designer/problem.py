@@ -105,6 +105,7 @@ class LocalMaxima:
         tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
 
         def heights(top: Integers, places: Array) -> Array:
+            """Heights of the tops' signals at crank angles (tops, n), rad."""
             seen = self._values(numbers, names, places.ravel()).reshape(len(names), *places.shape)
             return np.asarray(ways[top, None] * seen[rows[top], np.arange(len(top))])
 
@@ -118,10 +119,12 @@ class LocalMaxima:
 
     @property
     def _signals(self) -> tuple[str, ...]:
+        """Names of the signals of all sides, each once."""
         return tuple(dict.fromkeys(side.signal for side in self.sides))
 
     @property
     def _dead_position_error(self) -> AssemblyError:
+        """The error to raise for a design that stands in a dead position."""
         return AssemblyError(f"'{self.case.linkage.name}' stands in a dead position")
 
     def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
@@ -285,6 +288,7 @@ class DesignProblem:
         return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
 
     def _stacked(self, parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+        """Values and their derivatives from several parts, one below the other; empty arrays without parts."""
         if not parts:
             return np.empty(0), np.empty((0, len(self.variables)))
         return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])

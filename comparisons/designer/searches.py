@@ -177,11 +177,13 @@ class _CachedDesigns:
     """Designs of one round by their place, worked out once; infeasible designs get a large penalty."""
 
     def __init__(self, descent: Descent, start: Array) -> None:
+        """Linearise designs in the windows of the design ``start``, which must be one that assembles."""
         self.descent, self.windows = descent, descent.problem.windows(start)
         self.last, self.designs = start, descent.linearise(start, self.windows)
         self.good = self.designs
 
     def __call__(self, place: Array) -> Linearised:
+        """The design at a place, linearised; where it cannot be assembled, a stand-in worse than the last good one."""
         if not np.array_equal(place, self.last):
             self.last = place.copy()
             try:

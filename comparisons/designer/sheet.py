@@ -175,6 +175,7 @@ class Sheet:
         }
 
         def cleaned(figure: SignalFigure) -> SignalFigure:
+            """A key figure with 0, or without a direction or a place, where its signal is only rounding."""
             if figure.signal.endswith(DIRECTION):
                 no_force = figure.signal.replace(DIRECTION, MAGNITUDE) in idle
                 return replace(figure, value=None, time=None, phi=None) if no_force else figure
@@ -183,6 +184,7 @@ class Sheet:
             return replace(figure, value=value, **({} if has_place else NOWHERE))
 
         def zeroed(values: ByName) -> ByName:
+            """Curves by name, those that are only rounding replaced by zeros."""
             return {name: np.zeros_like(curve) if name in idle else curve for name, curve in values.items()}
 
         figures = {name: tuple(map(cleaned, rows)) for name, rows in self.figures.items()}

@@ -52,6 +52,7 @@ class DesignSpace:
     is_list: bool = False
 
     def __post_init__(self) -> None:
+        """Raise LinkproofError for a parameter that comes twice."""
         names = [number.name for number in self.parameters]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
@@ -132,6 +133,7 @@ def read_table(path: Path, linkage: Linkage) -> DesignSpace:
     content = read_file(path, "a table of designs", LARGEST_TABLE)
 
     def read(rows: int | None = None) -> pandas.DataFrame:
+        """The cells of the file as text, of its first ``rows`` rows or of all."""
         return pandas.read_csv(
             io.BytesIO(content), header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
             encoding="utf-8-sig", nrows=rows,
@@ -208,6 +210,7 @@ def given_designs(linkage: Linkage, vary: Any, table: Any) -> tuple[DesignSpace,
 
 
 def _is_dask_array(values: object) -> bool:
+    """Whether values are an array of Dask's, which is computed on request."""
     return hasattr(values, "__dask_graph__")
 
 
@@ -221,6 +224,7 @@ def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two
 
 
 def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_list: bool) -> DesignSpace:
+    """The list or grid of these values; raises LinkproofError for columns of different lengths."""
     if is_list and len({len(value) for value in values}) > 1:
         raise LinkproofError(
             f"table: expected columns of one length, got {[len(value) for value in values]}; correct it"

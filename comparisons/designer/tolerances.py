@@ -210,10 +210,12 @@ def _read_plus_minus(number: Parameter, value: object) -> float:
 
 
 def _is_number(value: object) -> bool:
+    """Whether a value is a finite number, and not a truth value."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _quoted(value: object) -> str:
+    """A value as an error message shows it."""
     return "nothing" if value is None else repr(value)
 
 
@@ -409,10 +411,12 @@ class ToleranceStudy:
 
     @property
     def _sizes(self) -> Array:
+        """The ± of every tolerance, SI, (tolerances,)."""
         return np.array([tolerance.plus_minus for tolerance in self.request.tolerances])
 
     @property
     def _variances(self) -> Array:
+        """The part of each result's variance that each tolerance causes, (results, tolerances)."""
         deviation = np.array([tolerance.distribution.deviation for tolerance in self.request.tolerances])
         return np.asarray(np.square(self.contributions * deviation))
 

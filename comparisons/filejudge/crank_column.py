@@ -258,6 +258,7 @@ def _evened_out(fit: KnownFit) -> KnownFit:
     free = np.array([fit.family != CONSTANT, True, not fit.samples.of_speed])
 
     def with_numbers(x: Array) -> KnownFit:
+        """The fit with other values of its free numbers."""
         numbers[free] = x
         return KnownFit(fit.samples, fit.family, *numbers.tolist())
 
@@ -324,9 +325,11 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
         return None
 
     def knots(corners: Array) -> Array:
+        """The knots of a spline with these corners, s, the ends repeated as its degree asks."""
         return np.concatenate([[time[0]] * (degree + 1), np.sort(corners), [time[-1]] * (degree + 1)])
 
     def residual(corners: Array) -> Array:
+        """What the least-squares spline with these corners, s, leaves of the column, over its rounding, (n,)."""
         curve = scipy.interpolate.make_lsq_spline(
             time, samples.values, knots(corners), degree, w=1.0 / samples.rounding
         )

@@ -107,6 +107,7 @@ class Fitting:
     """Faults fitted to some columns, of a simulation without them."""
 
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence]) -> None:
+        """Prepare to fit faults in a simulation to the differences of the columns in ``evidence``."""
         self.simulation, self.evidence = simulation, evidence
         self.before = [signal.residual for signal in evidence]
         self.rms = np.array([float(np.sqrt(np.nanmean(r**2))) if np.isfinite(r).any() else 0.0 for r in self.before])
@@ -201,12 +202,14 @@ class Fitting:
             return None if parts is None else np.concatenate([parts[n] / np.sqrt(len(parts[n])) for n in changing])
 
         def known(step: Array) -> Array:
+            """The residuals as the solver takes them: 0 where undecided, large where the fault is impossible."""
             values = remains(step)
             if values is None:
                 return np.full(sum(len(self.before[n]) for n in changing), IMPOSSIBLE)
             return np.nan_to_num(values)
 
         def slopes(step: Array) -> Array:
+            """Derivatives of the residuals by the steps, by one-sided differences."""
             base, beside = remains(step), [remains(step + axis) for axis in axes]
             rises = [0.0 * known(step) if base is None or other is None else other - base for other in beside]
             return np.nan_to_num(np.stack(rises, axis=1) / DIFFERENCE_STEP)
@@ -239,6 +242,7 @@ class _OnALine(Fitting):
     """The fitting of a linear fault, whose residuals are known from one change of each of its numbers."""
 
     def __init__(self, whole: Fitting, fault: Hypothesis) -> None:
+        """Simulate a linear ``fault`` once per number, so that its residuals follow without simulation."""
         super().__init__(whole.simulation, whole.evidence)
         self.start, self.sizes = np.array(fault.start), np.array(fault.sizes)
         self.ends = [whole.residuals(fault, self.start + change) for change in np.diag(self.sizes)]
@@ -276,6 +280,7 @@ def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
 
 
 def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
+    """Whether a fit leaves no column more than ``times`` what the ``best`` one leaves, or than the rounding."""
     return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
 
 
@@ -397,6 +402,7 @@ class _Search:
     """Faults fitted to some columns, and how they compare with the residuals before any fault is applied."""
 
     def __init__(self, simulation: Simulation, evidence: Sequence[Evidence], column: ImportedSignal | None) -> None:
+        """Prepare fits to many samples and to few; ``column`` is the one that gives the crank's motion, if any."""
         self.simulation, self.evidence, self.column = simulation, evidence, column
         self.places = {signal.name: n for n, signal in enumerate(evidence)}
         self.whole = Fitting(simulation, [signal.thinned(MOST_SAMPLES, WORST) for signal in evidence])
@@ -492,6 +498,7 @@ def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None)
 
 
 def _undone(scale: float, offset: float, shift: float) -> Correction:
+    """The correction that undoes a scale, an offset and a shift in time, s, of a column."""
     return Correction(-1 if scale < 0.0 else 1, 1.0 / abs(scale), float(shift), float(offset))
 
 

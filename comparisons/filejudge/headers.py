@@ -244,6 +244,7 @@ class HeaderParser:
 
     @cached_property
     def _names(self) -> Table:
+        """Meanings of the words in the names of links, points and joints."""
         points = {point for link in self.linkage.links.values() for point in link.points} | {*self.linkage.ground}
         return name_meanings({*self.linkage.links, *points, *self.linkage.joint_names} - {GROUND})
 

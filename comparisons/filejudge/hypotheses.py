@@ -142,9 +142,11 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
     scale, offset, shift = ((name, knob) for knob in ("scale", "offset", "shift"))
 
     def by(c: float) -> str:
+        """An offset, SI, in words, with its sign and the column's unit."""
         return f"{signed(c / evidence.unit_value, '.4g')} {evidence.unit}"
 
     def late(t: float) -> str:
+        """The sentence that a column is ``t`` seconds too early, or too late if negative."""
         halves = 2.0 * t / step
         whole = f", {abs(t / step):.2g} samples," if round(halves) and abs(halves - round(halves)) < 0.1 else ""
         return f"{name} is {abs(t):.4g} s{whole} too {'early' if t > 0.0 else 'late'}"
@@ -252,6 +254,7 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
                 yield _certain(f"unit:{column.name}", COLUMN, values, words)
 
     def zero(angle: float) -> str:
+        """The sentence that the crank angle counts from another zero, off by an angle, rad."""
         if column is not None:
             added = signed(math.degrees(wrap_angle(angle)), ".4g")
             return f"the crank angle counts from another zero: {added}° are to be added to the file's"
@@ -259,6 +262,7 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
         return f"the crank starts at {at:.4g}° in place of {math.degrees(start):.4g}°"
 
     def mirrored(angle: float) -> str:
+        """The sentence that the crank angle counts the other way, from an angle, rad."""
         if abs(wrap_angle(angle)) < ZERO_ANGLE:
             return "the crank angle is mirrored"
         return f"the crank angle counts the other way, from {math.degrees(wrap_angle(angle)):.4g}°"
@@ -303,6 +307,7 @@ def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN4
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
 
     def similar(name: str, ramp: float) -> Values:
+        """The regime of this name with another ramp time, s, of the same length and speed."""
         ramp = min(max(abs(ramp), SHORTEST_RAMP), motion.duration)
         return {MOTION: crank_motion(name, speed=abs(speed), ramp_time=ramp, hold_time=motion.duration - ramp,
                                      clockwise=speed < 0.0, start_angle=start)}  # fmt: skip
@@ -340,9 +345,11 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
         return
 
     def gravity(gx: float, gy: float) -> Values:
+        """The changed values for this gravity, m/s²."""
         return {"gravity.x": gx, "gravity.y": gy}
 
     def words(k: float) -> str:
+        """The sentence that gravity is ``k`` times that of the file."""
         if abs(k) < 1e-9:
             return "gravity is off"
         if math.isclose(k, -1.0):
@@ -350,6 +357,7 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
         return f"gravity is {k * size:.4g} m/s² in place of {size:.4g} m/s²"
 
     def pointing(gx: float, gy: float) -> str:
+        """The sentence that gravity is another vector, m/s²."""
         return f"gravity is ({fixed(gx, 3)}, {fixed(gy, 3)}) m/s² in place of ({x:zg}, {y:zg}) m/s²"
 
     if size:
@@ -400,15 +408,18 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
     joints = {joint: unit for joint, unit in joints.items() if joint not in linkage.friction}
 
     def of(*names: str) -> dict[str, Any]:
+        """The hypothesis' arguments for friction in the joints of these names."""
         sizes = tuple(0.1 * linkage.shortest_length() if joints[name] else 0.1 for name in names)
 
         def friction(*numbers: float) -> Values:
+            """The changed friction of the joints, by a number each: μ r, m, of a pin, else μ."""
             own = {
                 name: JointFriction(float(x), float(joints[name] > 0.0)) for name, x in zip(names, numbers, strict=True)
             }
             return {(LINKAGE, "friction"): {**linkage.friction, **own}}
 
         def words(*numbers: float) -> str:
+            """The sentence that names the joints with friction and its size."""
             found = [
                 f"'{name}', μ r = {linkage.written(x)}" if joints[name] else f"'{name}', μ = {x:.3g}"
                 for name, x, size in zip(names, numbers, sizes, strict=True)
@@ -464,6 +475,7 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
     what, unit = _number_words(name, number), kind_unit(kind, linkage.units)
 
     def words(new: float) -> str:
+        """The sentence that the number has a new value, SI, in place of the file's."""
         if not new and not is_place:
             return f"{what} is left out"
         at = next((point for place, point in about.items() if math.isclose(place, new, rel_tol=1e-9)), "")
@@ -501,6 +513,7 @@ def _turned(linkage: Linkage, name: str) -> Hypothesis:
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
 
     def turned(angle: float) -> Values:
+        """The changed components of the direction, turned by an angle, rad."""
         c, s = math.cos(angle), math.sin(angle)
         return {f"{name}.x": c * x - s * y, f"{name}.y": s * x + c * y}
 
@@ -538,6 +551,7 @@ def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float],
     }
 
     def words(k: float) -> str:
+        """The sentence that the numbers are ``k`` times those of the file."""
         if abs(k) < 1e-9:
             return f"{what} is left out"
         return f"{what} is {k:.4g} times that of the linkage file{_slip_words(kinds[0].si, k)}"
@@ -553,9 +567,11 @@ def _other_distance(linkage: Linkage, name: str, fixed_point: str, moved: str) -
     length = math.dist((x, y), (px, py))
 
     def place(d: float) -> Values:
+        """The changed coordinates of the moved point at a distance ``d``, m, from the fixed one."""
         return {f"{name}.{moved}.x": x + d / length * (px - x), f"{name}.{moved}.y": y + d / length * (py - y)}
 
     def words(d: float) -> str:
+        """The sentence that the distance is ``d``, m, in place of the file's."""
         lengths = f"{linkage.written(d)} in place of {linkage.written(length)}"
         return f"the distance of '{moved}' from '{fixed_point}' on '{name}' is {lengths}"
 
@@ -574,6 +590,7 @@ def _other_centre(linkage: Linkage, name: str) -> Hypothesis:
         usual.append((places[0][0] + places[1][0] - x, places[0][1] + places[1][1] - y))
 
     def words(cx: float, cy: float) -> str:
+        """The sentence that the mass centre is at (``cx``, ``cy``), m, in place of the file's."""
         new, old = (", ".join(linkage.written(v).rpartition(" ")[0] for v in at) for at in ((cx, cy), link.centre))
         unit = linkage.units.get("length", "m")
         return f"the mass centre of '{name}' is at ({new}) {unit} in place of ({old}), in the link's frame"

@@ -103,6 +103,7 @@ def _lines(given: str) -> list[str]:
 
 
 def _comparable(header: str) -> str:
+    """A header as it is compared with those that a user types: on one line, without outer spaces."""
     return printable(header).strip()
 
 
@@ -128,6 +129,7 @@ class _Reading:
     """State of reading result files: tables, meanings, and columns without one."""
 
     def __init__(self, linkage: Linkage, tables: Sequence[ResultTable], said: Iterable[str]) -> None:
+        """Read every column of the tables and choose each table's axis; raises LinkproofError for duplicates."""
         self.parser = HeaderParser(linkage)
         self.entries = map_entries(said, (column.header for table in tables for column in table.columns))
         self.columns = [self._read(table, column) for table in tables for column in table.columns]

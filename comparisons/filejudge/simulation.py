@@ -133,9 +133,11 @@ class Simulation:
         return truth
 
     def _knobs(self, name: str) -> ColumnKnobs:
+        """What is changed in the column of this name; no change by default."""
         return self.columns.get(name) or ColumnKnobs(name)
 
     def _column(self, curve: SignalTimes, truths: dict[bytes, Truth]) -> Array:
+        """The values (n,), SI, of a column; ``truths`` keeps the closed form by its clock for other columns."""
         knobs, time = self._knobs(curve.name), curve.time
         at = time + knobs.shift if knobs.shift else time
         clock = at.tobytes()
@@ -160,6 +162,7 @@ class Simulation:
 
 
 def _unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a signal, or of an incomplete torque."""
     return "N m" if name in INCOMPLETE else unit(name, linkage)
 
 
@@ -221,6 +224,7 @@ class ChangedMotion:
         return tuple(jump - self.shift for jump in self.motion.jumps)
 
     def _clock(self, time: ArrayLike) -> Array:
+        """The time of the original motion, s, at times of this one."""
         return np.asarray(np.asarray(time, dtype=float) + self.shift)
 
     def angle(self, time: ArrayLike) -> Array:

@@ -100,6 +100,7 @@ def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
     time = np.linspace(0.0, motion.duration, INSTANTS)
 
     def coordinate(instants: Array) -> Array:
+        """The output's coordinate, m, at instants (n,), s, as one curve (1, n)."""
         return mechanism.sweep(motion.angle(instants)).output()[None]
 
     return float(highest(coordinate, time, coordinate(time))[0][0])
@@ -122,6 +123,7 @@ def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> B
     position, velocity, bend = (sweep.centre(name, order) for order in range(3))
 
     def moved(scale: float, vector: Pair, other: float = 0.0, also: Pair = (0.0, 0.0)) -> tuple[float, float]:
+        """The plane vector ``scale`` · ``vector`` + ``other`` · ``also``."""
         return (float(scale * vector[0] + other * also[0]), float(scale * vector[1] + other * also[1]))
 
     link = sweep.linkage.links[name]

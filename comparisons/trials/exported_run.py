@@ -41,6 +41,7 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
 
 
 def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:
+    """The adapter of an installed engine with a loop of its own; raises LinkproofError for any other."""
     adapter = engine(engine_name)
     reason = why_unavailable(adapter)
     if reason is None and isinstance(adapter, LoopEngine):
@@ -61,6 +62,7 @@ def _recipe_of_setting(adapter: LoopEngine[Recipe], scene: Scene, setting: Setti
 
 
 def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, origin: str) -> str:
+    """The script of one run; ``origin`` says how it was made. Raises LinkproofError where it cannot be exported."""
     linkage = case.mechanism.linkage
     about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {origin}"
     with blamed_on(cast(Engine, adapter)):

@@ -218,6 +218,7 @@ def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
     points = min(SHARP_POINTS, len(signal.time))
 
     def between(time: Array) -> Array:
+        """Values of the signal at times, s, as one curve (1, n)."""
         return resample_piecewise(signal, time, breaks, points)[None]
 
     return float(highest(between, signal.time, signal.values[None])[0][0])

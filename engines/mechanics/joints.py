@@ -69,6 +69,7 @@ class JointEquations:
     def __init__(
         self, scene: Scene, unit: float | None = None, geared: Sequence[tuple[str, str]] | None = None
     ) -> None:
+        """Lengths count in ``unit``, m, by default near the scene's size; ``geared`` pairs keep their angle."""
         self.scene = scene
         self.geared = [(slider.body, slider.host) for slider in scene.sliders] if geared is None else geared
         self.index = body_numbers(scene)

@@ -75,6 +75,7 @@ def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
 
 
 def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> tuple[LinkageFile, ...]:
+    """The files, of the same name ones renamed by their folders; raises LinkproofError where that does not help."""
     names = [file.name for file in files]
     for depth in range(1, DEEPEST_FOLDER + 1):
         counts = Counter(file.name for file in files)
@@ -224,6 +225,7 @@ def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
 
 
 def _regimes(file: LinkageFile) -> list[str]:
+    """Names of the regimes that a linkage file defines; none if it cannot be read."""
     with suppress(LinkproofError):
         return [regime.name for regime in file.linkage().regimes]
     return []

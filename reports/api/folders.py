@@ -65,6 +65,7 @@ def stored_runs(
     number = total = 0
 
     def announce_run(label: str, begun: int, count: int) -> None:
+        """Pass an announcement on and remember its numbers for the message on Ctrl-C."""
         nonlocal number, total
         number, total = begun, count
         announce(label, begun, count)

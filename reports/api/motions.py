@@ -203,6 +203,7 @@ def _check_swing(options: Asked) -> None:
 
 
 def _check_number(option: str, value: float, unit: str, least: float) -> None:
+    """Raise LinkproofError for an option's value that is not finite or is below ``least``."""
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
         raise LinkproofError(f"{option}: expected a {kind} number of {unit}, got {value:g}; correct it")

@@ -101,6 +101,7 @@ def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401
 
 @cache
 def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
+    """The annotated fields of a dataclass, or parameters of a function, as options."""
     if is_dataclass(source):
         hints = get_type_hints(source, include_extras=True)
         annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
@@ -135,6 +136,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def called(*args: P.args, **words: P.kwargs) -> R:
+        """The function, called with its arguments checked and in their one form."""
         bound = signature.bind(*args, **words)
         for name, given in bound.arguments.items():
             if name in options:
@@ -177,6 +179,7 @@ def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
 
 
 def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
+    """A number or several as a tuple of floats; raises LinkproofError for anything else."""
     import numpy as np  # noqa: PLC0415 - what is typed does without
 
     return tuple(_number(option, each) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
@@ -380,6 +383,7 @@ class Checked:
     """Options each of which takes its one form; raises LinkproofError for a value of another type."""
 
     def __post_init__(self) -> None:
+        """Check every option and give it its one form; raises LinkproofError for a wrong value."""
         for option in declared_options(type(self)):
             name = option.field.name
             object.__setattr__(self, name, option_value(option, getattr(self, name)))

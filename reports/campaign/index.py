@@ -181,6 +181,7 @@ class EngineRanking:
         return statistics.geometric_mean(time + SHIFT for time in runs) - SHIFT if runs else None
 
     def _family_of_record(self, record: Error) -> str:
+        """The family of a record: checks, released motion, or that of its quantity."""
         if record.quantity in self.checks:
             return CHECKS
         if (record.mechanism, record.variant, record.regime) in self._released_regimes:
@@ -194,6 +195,7 @@ class EngineRanking:
 
     @cached_property
     def _released_regimes(self) -> frozenset[tuple[str, str, str]]:
+        """Mechanism, variant and name of every regime in which the crank is released."""
         return frozenset(
             (linkage.name, linkage.variant, regime.name)
             for linkage in self.results.linkages
@@ -269,6 +271,7 @@ class Names:
     """Engines as a subject: their ``words``, and whether they are ``many``."""
 
     def __init__(self, names: Iterable[str]) -> None:
+        """Names in words, and whether they are several."""
         every = [*names]
         self.words, self.many = listed(every), len(every) > 1
 
@@ -359,6 +362,7 @@ def index(
 
 
 def _page_heading(results: CampaignResults | None) -> str:
+    """The heading of the first page: of closed-form results, a judgement, or a campaign."""
     if results is None:
         return "Planar linkages in closed form"
     words = results.document.get("judgement")
@@ -479,10 +483,12 @@ def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tu
 
 
 def _failure_style(records: EngineRecords) -> str:
+    """The style class of a cell without an error: failed or absent."""
     return "failed" if records.failed else "absent"
 
 
 def _first_reason(records: EngineRecords) -> str:
+    """The first reason that a record gives; "" without any."""
     return next((record.detail for record in records.records if record.detail), "")
 
 
@@ -520,6 +526,7 @@ def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
 
 
 def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, leads: bool) -> TableCell:
+    """The cell of an engine in a family: its largest error, or a sign and the reason for its absence."""
     records = trust.cell(engine, setting, name)
     if records.error is None or records.worst is None:
         return TableCell(
@@ -547,6 +554,7 @@ def _reasons(trust: EngineRanking) -> list[str]:
 
 
 def _mechanisms_section(trust: EngineRanking | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+    """The section of the mechanisms' cards, with the button that stops their motion."""
     cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
     still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
     return (Section("mechanisms", "The mechanisms", (*still, cards)),)
@@ -586,6 +594,7 @@ def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
 
 
 def _limitation_sentences(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[str, ...]:
+    """The known limitations of a campaign, a sentence each."""
     released = {regime for sheet in sheets for regime in sheet.released}
     return tuple(
         lines(

@@ -40,6 +40,7 @@ def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
 
 
 def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element:
+    """A record as JUnit's test case: passed, failed, in error or skipped."""
     case = _test_case("/".join(record.run), record.quantity)
     verdict, decides = Verdict(record.outcome), record.setting in decisive
     if verdict is Verdict.PASSED:
@@ -54,6 +55,7 @@ def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element
 
 
 def _number_lines(record: Error) -> Iterator[str]:
+    """The record's error and its limit, a line each, where it has them."""
     if record.error_max is not None:
         yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
     if record.limit is not None:
@@ -61,6 +63,7 @@ def _number_lines(record: Error) -> Iterator[str]:
 
 
 def _change_case(entry: Change) -> ElementTree.Element:
+    """A change as JUnit's test case: a failure, or skipped if it does not fail."""
     mechanism, variant, regime, conditions, engine, setting, quantity = entry.place
     suite = (CHANGES, mechanism, variant, regime, engine, setting)
     case = _test_case("/".join(filter(None, suite)), quantity)
@@ -70,10 +73,12 @@ def _change_case(entry: Change) -> ElementTree.Element:
 
 
 def _test_case(place: str, name: str) -> ElementTree.Element:
+    """An empty test case of JUnit; ``place`` becomes its class name."""
     return ElementTree.Element("testcase", classname=_legal(place), name=_legal(name))
 
 
 def _outcome_counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
+    """The numbers of tests, failures, errors and skipped tests, as JUnit's attributes."""
     kinds = {"failures": "failure", "errors": "error", "skipped": "skipped"}
     counts = {name: sum(case.find(tag) is not None for case in cases) for name, tag in kinds.items()}
     return {"tests": str(len(cases)), **{name: str(count) for name, count in counts.items()}}

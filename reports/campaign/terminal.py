@@ -51,6 +51,7 @@ def printout(
 
 
 def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
+    """The table of each mechanism and regime, then what has changed."""
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
@@ -64,6 +65,7 @@ def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_o
 
 
 def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
+    """A table of every record with all its numbers, for each mechanism and regime."""
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
@@ -83,10 +85,12 @@ def _counts(changes: Sequence[Change]) -> list[str]:
 
 
 def _motion_heading(run: RunRecord) -> Paragraph:
+    """The heading of a table: mechanism, variant, regime and conditions."""
     return Paragraph(f"{run.mechanism} ({run.variant}), {run.regime}: {run.conditions}", colour="bold")
 
 
 def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
+    """Quantities down, the runs of one mechanism and regime across; ``while_others`` notes how many ran."""
     every = [run.every for run in runs]
     rows: list[Sequence[TableCell | Words]] = []
     for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
@@ -119,6 +123,7 @@ def _limits_text(records: Sequence[Error | None]) -> str:
 
 
 def _error_cell(record: Error | None) -> TableCell | str:
+    """A record's largest error with the sign of its verdict; empty without a record."""
     if record is None:
         return ""
     sign = RUNS[record.outcome]
@@ -127,6 +132,7 @@ def _error_cell(record: Error | None) -> TableCell | str:
 
 
 def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
+    """The cells of one record in the table of details."""
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
         record.engine, record.setting, record.quantity, record.origin,
@@ -149,6 +155,7 @@ def _reasons(runs: Iterable[RunRecord]) -> list[str]:
 
 
 def _is_within(record: Error) -> bool:
+    """Whether a record's error is known and at most its limit."""
     return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
 
 
@@ -161,6 +168,7 @@ def _remedies(runs: Iterable[RunRecord]) -> list[str]:
 
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:
+    """The last line: how many results came to each verdict, and how many samples were left out."""
     counts, left_out = Counter[str](), 0
     for record in (quantity_record for run in runs for quantity_record in (*run.errors, *run.invariants)):
         counts[record.outcome] += 1

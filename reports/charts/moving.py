@@ -44,6 +44,7 @@ def moving_scheme(linkage: Linkage, positions: Positions, key: str, *, is_small:
     names = {name: f"{key}-{number}" for number, name in enumerate(movers)}
 
     def place(figure: Figure) -> None:
+        """Draw paths and the first position, each artist named after the body it moves with."""
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         left, top = low[0] - rim / unit, high[1] + rim / unit

@@ -28,6 +28,7 @@ app = CommandGroup(
 
 
 def _print_version(context: click.Context, is_asked: bool) -> None:
+    """Print the version and end, if it is asked for."""
     if is_asked:
         from importlib.metadata import version
 

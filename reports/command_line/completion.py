@@ -92,6 +92,7 @@ def _files_by_name() -> dict[str, Path]:
 
 
 def _completions(names: Iterable[str], incomplete: str) -> list[str]:
+    """The names that begin with the incomplete word, sorted, each once."""
     return sorted({str(name) for name in names if str(name).startswith(incomplete)})
 
 
@@ -107,6 +108,7 @@ def _linkages() -> Iterator[Linkage]:
 
 
 def _typed_words() -> list[str]:
+    """The words typed so far, without program and command."""
     return os.environ.get("COMP_WORDS", "").split()[2:]
 
 
@@ -146,6 +148,7 @@ def complete(app: click.Group, name: str) -> int:
 
 
 def _shell(shell: str) -> type[ShellComplete]:
+    """Click's class for a shell by name; raises LinkproofError for a shell without completion."""
     from click.shell_completion import get_completion_class
 
     kind = get_completion_class(shell)
@@ -161,6 +164,7 @@ def _script() -> tuple[str, str]:
 
 
 def _show(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
+    """Print the script of completion and end, if it is asked for."""
     if is_requested:
         click.echo(_script()[1])
         context.exit()

@@ -115,6 +115,7 @@ def progress(*, visible: bool = True) -> Iterator[Announce]:
     task = bar.add_task("", total=None)
 
     def announce(label: str, number: int, total: int) -> None:
+        """Show on the bar that the run of this label has begun."""
         bar.start()
         bar.update(task, description=harmless(label), completed=number, total=total)
 

@@ -21,6 +21,7 @@ def main() -> None:
 
 
 def _run_app() -> None:
+    """Import and run the command line, with the streams made safe first."""
     _start_fast()
     _open_closed_streams()
     from analytic.errors import LinkproofError
@@ -92,6 +93,7 @@ def _discard(descriptor: int) -> None:
 
 
 def _end_with_sentence(sentence: str, code: int) -> None:
+    """Print a sentence on stderr and exit with this code."""
     try:
         sys.stderr.write(f"linkproof: {sentence}\n")
         sys.stderr.flush()

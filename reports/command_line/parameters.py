@@ -106,6 +106,7 @@ def study_command(
     every = [*own, *bags, *titled["Output"]]
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
+        """Call the function with click's values, print and write its study; the exit code."""
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
 
         out = option_bag(Destination, {name: words[name] for name in words if name in offers or name == "out"})
@@ -171,6 +172,7 @@ def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
 
 
 def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[str]] | None:
+    """A function of names as click's shell completion; None for None."""
     return None if known is None else lambda _context, _parameter, incomplete: known(incomplete)
 
 

@@ -198,6 +198,7 @@ def _lines(macro: str, width: int, **values: object) -> list[Printed]:
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
+    """The cells of each link: name, mass, inertia, mean Jeq, points."""
     for name, link in links.items():
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
         mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
@@ -251,5 +252,6 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
 
 
 def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callable[[Any], str]) -> Table:
+    """A table of names, units and values, which ``written`` turns into text."""
     cells = [(row["name"], row["units"], written(row["value"])) for row in rows]
     return Table("", (what, "unit", "value"), cells, "llr")

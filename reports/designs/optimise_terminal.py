@@ -102,6 +102,7 @@ def aim_word(optimum: Optimum) -> str:
 
 
 def _range(constraint: Constraint) -> str:
+    """A constraint in words: at a value, or from and to its bounds, in the file's unit."""
     low, high = (figure(end / constraint.figure.unit.size, DIGITS) for end in (constraint.low, constraint.high))
     if constraint.is_equal:
         return f"at {low}"
@@ -110,10 +111,12 @@ def _range(constraint: Constraint) -> str:
 
 
 def _relative(before: float, after: float) -> float:
+    """The change over the size of the value before; NaN from zero."""
     return (after - before) / abs(before) if before else math.nan
 
 
 def _percent(share: float) -> str:
+    """A share in per cent; "" if it is not finite."""
     return change(share) if math.isfinite(share) else ""
 
 
@@ -256,6 +259,7 @@ def before_after_figure(optimum: Optimum, conditions: str) -> Figure:
     looks = {"before": (draw.MUTED, "--"), "after": (draw.PALETTE[0], "-")}
 
     def place(figure_: Figure) -> None:
+        """Draw a panel for each signal: its curve before and after, the peaks marked."""
         host = draw.head(figure_, [aim(optimum), conditions, *more])
         grid = host.subplots(min(len(names), MOST), sharex=True, squeeze=False)[:, 0]
         for axes, name in zip(grid, names, strict=False):

@@ -50,6 +50,7 @@ def _everything(sheet: Sheet) -> Figure:
     rows = -(-len(vectors) // PER_ROW)
 
     def draw_all(figure: Figure) -> None:
+        """Draw the scheme, the curves and the forces into the figure."""
         heights = (UPPER, *(rows * CELL,) * (rows > 0))
         whole = draw.head(figure, [printable(sheet.conditions)])
         upper, *lower = whole.subfigures(len(heights), height_ratios=heights, squeeze=False)[:, 0]
@@ -111,6 +112,7 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
         )
 
     def plot(figure: Figure) -> None:
+        """Draw the signals on one pair of axes, with a legend above."""
         axes = figure.subplots()
         for n, (signal, word) in enumerate(signals.items()):
             axes.plot(sheet.x, sheet.y(signal), "-" if n < len(PALETTE) else "--", label=draw.wrap(word, COLUMN - 1.0))

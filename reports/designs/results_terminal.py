@@ -92,6 +92,7 @@ def _part_tables(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
 
 
 def _column_head(sheet: Sheet, name: str, label: str) -> str:
+    """The label of a signal's column with its unit in the file."""
     return f"{label} {sheet.unit(name).name}"
 
 
@@ -103,6 +104,7 @@ def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
 
 
 def _column(sheet: Sheet, name: str) -> list[str]:
+    """A signal's values at the instants as text, in the file's unit."""
     return [figure(sheet.without_rounding(name, value) / sheet.unit(name).size) for value in sheet.table[name].tolist()]
 
 

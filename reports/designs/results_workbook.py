@@ -43,6 +43,7 @@ def _text(page: object, text: str) -> WriteOnlyCell:
 
 
 def _number(value: float | None) -> float | None:
+    """A number for a cell; None, an empty cell, if it is not finite."""
     return None if value is None else finite(value)
 
 

@@ -57,6 +57,7 @@ def listed_mechanisms() -> Listing:
 
 
 def _entry(path: Path, shelf: str) -> dict[str, Any]:
+    """Name, shelf, title, source and variants of a linkage file, JSON-ready."""
     table = tomllib.loads(path.read_text(encoding="utf-8"))
     variants = [table.get("variant", "base"), *sorted(table.get("variants", {}))]
     facts = {"title": table["title"], "source": table["source"], "variants": variants}

@@ -151,6 +151,7 @@ def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Col
 
 
 def _grouped(count: int) -> str:
+    """A count with narrow spaces between its thousands."""
     return numbers.grouped(count, "\N{NARROW NO-BREAK SPACE}")
 
 
@@ -188,6 +189,7 @@ def _figure(
     (rows, columns), (width, tall) = shape, size
 
     def place(figure: Figure) -> None:
+        """Draw head, panels and a legend of all marks into the figure."""
         host = draw.head(figure, designs.head)
         grid = host.subplots(rows, columns, squeeze=False)
         plot(designs, grid)

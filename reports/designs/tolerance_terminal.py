@@ -41,6 +41,7 @@ def printout(study: ToleranceStudy) -> Printout:
 
 
 def _table(study: ToleranceStudy, row: int) -> Table:
+    """The table of one result, a row for each tolerance, the largest contribution first."""
     named_figure = study.request.figures[row]
     order = np.argsort(-study.contributions[row], kind="stable")
     rows = [_row(study, row, int(column)) for column in order]
@@ -187,6 +188,7 @@ def tornado_figure(study: ToleranceStudy) -> Figure:
     counts = [max(len(moving[:MOST]), 1) + 1 for moving in panels]
 
     def place(figure: Figure) -> None:
+        """Draw a panel for each result, with one legend above."""
         host = draw.head(figure, [study.request.case.conditions])
         grid = host.subplots(len(panels), squeeze=False, height_ratios=counts)[:, 0]
         for row, (axes, moving) in enumerate(zip(grid, panels, strict=True)):

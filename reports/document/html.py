@@ -107,5 +107,6 @@ class _PageFiles:
         return Picture(f"{self.root}{name}.svg", width, height, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
+        """The path of a file in the folder, whose name is noted among those written."""
         self.names.append(name)
         return self.folder / name

@@ -31,6 +31,7 @@ def written(parts: Iterable[Part], level: int = 2) -> str:
 
 
 def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
+    """One part as Markdown; ``level`` is that of a heading."""
     match part:
         case Paragraph(words):
             return inline(words)
@@ -57,6 +58,7 @@ def table(result: Table) -> str:
 
 
 def _cell(cell: TableCell | Words) -> str:
+    """A cell as Markdown, its note in brackets."""
     if isinstance(cell, TableCell):
         return inline(cell.words) + (f" ({inline(cell.note)})" if cell.note else "")
     return inline(cell)

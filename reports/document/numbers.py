@@ -32,6 +32,7 @@ def printed(value: float) -> str:
 
 
 def _without_exponent(text: str) -> str:
+    """A number's text without exponent or trailing point."""
     return f"{float(text):.0f}" if "e" in text else text.removesuffix(".")
 
 
@@ -98,6 +99,7 @@ def accept_any_text() -> None:
 
 
 def _replacement(fault: UnicodeError) -> tuple[str, int]:
+    """What is written for characters that the stream cannot encode, and the position to go on at."""
     if not isinstance(fault, UnicodeEncodeError):
         raise fault
     return "".join(PLAIN.get(sign, "?") for sign in fault.object[fault.start : fault.end]), fault.end

@@ -135,6 +135,7 @@ class Study:
         return rendered(*printed.tables, *printed.closing).strip("\n")
 
     def _repr_html_(self) -> str:
+        """The printed study for a notebook, as preformatted HTML."""
         return f"<pre>{escape(str(self))}</pre>"
 
 

@@ -52,6 +52,7 @@ def _sentences(macro: str) -> Any:  # noqa: ANN401 - a template's module
 
 @cache
 def _environment() -> jinja2.Environment:
+    """Jinja's environment of the page templates; a missing value is an error."""
     import jinja2  # noqa: PLC0415 - a table needs none of it
 
     environment = jinja2.Environment(
@@ -91,5 +92,6 @@ def worded(quantity: str) -> str:
 
 
 def _signal(name: str) -> str:
+    """A signal's name in words: "x of point F"."""
     part = SIGNAL.fullmatch(name)
     return f"{part['what']} of {part['kind']} {part['owner']}" if part else name.replace(":", " of ")

@@ -64,6 +64,7 @@ def harmless(text: str) -> str:
 
 
 def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
+    """The parts as Rich's texts and grids."""
     for part in parts:
         if isinstance(part, Table):
             yield from _table(part)
@@ -89,8 +90,10 @@ def _table(table: Table) -> Iterator[Text | Grid]:
 
 
 def _cell(cell: TableCell | Words) -> Text:
+    """A cell as Rich's text, in its colour."""
     return _text(cell.words, cell.colour) if isinstance(cell, TableCell) else _text(cell)
 
 
 def _text(words: Words, colour: str = "") -> Text:
+    """Words as Rich's text, control characters escaped."""
     return Text(harmless(as_text(words)), style=colour)

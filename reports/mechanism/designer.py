@@ -119,6 +119,7 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
     caption += ". Per cent are of the mean."
 
     def place(figure: Figure) -> None:
+        """Draw Jeq by group, stacked, and below it that of each link that varies."""
         stacked, *alone = figure.subplots(1 + bool(varying), sharex=True, squeeze=False)[:, 0]
         names = [_share(name, values, whole) for name, values in groups.items()]
         stacked.stackplot(sheet.x, *groups.values(), labels=names, alpha=0.75)
@@ -135,6 +136,7 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
 
 
 def _share(name: str, values: Array, whole: float) -> str:
+    """A part's name with its share of the mean, in per cent."""
     return f"{plain(name)}, {100.0 * float(np.mean(values)) / whole:.1f} %"
 
 
@@ -226,6 +228,7 @@ def _scheme(sheet: Sheet) -> tuple[Card, ...]:
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
+    """The cells of a link: name, mass, inertia and mass centre, divided by these sizes of the file's units."""
     mass, inertia, length = sizes
     least = ROUNDING * max(map(abs, link.centre))
     places = (0.0 if abs(value) <= least else value / length for value in link.centre)

@@ -200,6 +200,7 @@ def judged_figure(curves: Sequence[JudgedCurve], lines: Sequence[str] = ()) -> F
     shown = curves[:MOST]
 
     def place(figure: Figure) -> None:
+        """Draw each curve beside the closed form, and below it the difference."""
         host = draw.head(figure, lines)
         grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
         for curve, above, below in zip(shown, *grid, strict=True):
@@ -249,9 +250,11 @@ def errors_figure(view: View, regime: Regime) -> Figure:
     lanes, looks_of = sorted({record.engine for record in records}), looks(all_engines(view.results))
 
     def height(record: Error) -> float:
+        """The height of a record's mark: its quantity's row and, within it, its engine's lane."""
         return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
 
     def place(figure: Figure) -> None:
+        """Draw a mark for every record, in its engine's colour and symbol."""
         axes = figure.subplots()
         for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in records).items():
             look = looks_of[engine]
@@ -303,6 +306,7 @@ def curves(view: View) -> dict[str, dict[str, Any]]:
 
 
 def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequence[str]) -> dict[str, Any]:
+    """The data of a regime for the chart: quantities, errors, limits and jumps, JSON-ready."""
     records = view.of(regime)
     names = view.quantities(regime)
     first = {record.quantity: record for record in reversed(records)}
@@ -347,6 +351,7 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
 
 
 def _run(trace: Trace) -> dict[str, Any]:
+    """The data of one run's curve for the chart, packed."""
     compared = ~np.isnan(trace.error)
     decades = np.log10(np.clip(trace.error[compared], LEAST_ERROR, GREATEST_ERROR))
     return {

@@ -79,6 +79,7 @@ def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
     """The crank's speed over time."""
 
     def place(figure: Figure) -> None:
+        """Draw the crank's speed, rpm, over time."""
         axes = figure.subplots()
         axes.plot(motion.motion["time"], motion.motion["omega"] / RPM)
         draw.finish(axes, "time, s", "n, rpm")
@@ -94,6 +95,7 @@ def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure,
     turn = motion.last_turn
 
     def place(figure: Figure) -> None:
+        """Draw speed and acceleration over the crank angle, one below the other."""
         upper, lower = figure.subplots(2, sharex=True)
         upper.plot(np.degrees(turn["phi"]), turn["omega"] / RPM)
         lower.plot(np.degrees(turn["phi"]), turn["epsilon"], color=PALETTE[1])

@@ -54,10 +54,12 @@ def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, 
 
 
 def _variants(rows: Sequence[Row]) -> list[str]:
+    """The variants of the rows, each once."""
     return list(dict.fromkeys(row["variant"] for row in rows))
 
 
 def _key(row: Row) -> tuple[Any, ...]:
+    """What tells a printed figure from others: quantity, value and source."""
     return row["quantity"], row["published"], row["source"]
 
 
@@ -69,6 +71,7 @@ def _met_words(rows: Sequence[Row], variant: str) -> str:
 
 
 def _printed(row: Row) -> str:
+    """The printed value with its unit."""
     return f"{_as_printed(row)} {row['unit']}".strip()
 
 
@@ -84,6 +87,7 @@ def _as_printed(row: Row) -> str:
 
 
 def _variant_cell(row: Row) -> TableCell:
+    """Our value beside a printed one: the sign of the verdict and the deviation in per cent."""
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:

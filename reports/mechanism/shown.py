@@ -43,6 +43,7 @@ def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def _unmarked(sheet: Sheet, signal_figure: SignalFigure) -> str:
+    """A key figure's number in its unit, without the mark of an open end."""
     value = sheet.shown_value(signal_figure)
     return _angle(value, sheet.unit_of(signal_figure)) if signal_figure.unit == "rad" else figure(value)
 
@@ -56,6 +57,7 @@ def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def _with_minus_sign(text: str) -> str:
+    """A number's text with a true minus sign in place of a hyphen."""
     return f"−{text[1:]}" if text.startswith("-") else text
 
 

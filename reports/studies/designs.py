@@ -151,6 +151,7 @@ class Optimisation(Study):
         return [optimise_terminal.closing(self.best)]
 
     def _speed_note(self) -> Sequence[str]:
+        """A remark on the best speed, which the new file cannot hold; nothing if the speed is not varied."""
         if SPEED not in self.best.after:
             return ()
         unit = self.best.problem.case.linkage.phi.speed_unit

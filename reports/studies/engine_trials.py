@@ -57,6 +57,7 @@ def engine_trials() -> list[SelfTest]:
 
 
 def _trial_of_run(run: RunRecord) -> SelfTest:
+    """How an engine's short run ended: it works if the torque has an error."""
     (torque,) = run.errors
     if torque.error_max is None:
         return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
@@ -88,6 +89,7 @@ def optional_packages() -> list[SelfTest]:
 
 
 def _package_trial(package: str, extra: str) -> SelfTest:
+    """A package's version, or the command that installs it."""
     try:
         return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:

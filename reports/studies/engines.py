@@ -52,6 +52,7 @@ def _describe_engine(adapter: Engine) -> dict[str, Any]:
 
 
 def _type_names(types: Iterable[type]) -> list[str]:
+    """Names of types, sorted."""
     return sorted(entry.__name__ for entry in types)
 
 
@@ -124,6 +125,7 @@ def tried_engines() -> Listing:
 
 
 def _trials_table(trials: Sequence[SelfTest], head: str) -> Table:
+    """A table of trials: name, version, sign and detail; ``head`` heads the names."""
     marks = {True: TableCell("✓", colour="green"), False: TableCell("✗", colour="red"), None: TableCell("–")}
     rows = [(trial.name, trial.version or "–", marks[trial.works], trial.detail) for trial in trials]
     return Table("", (head, "version", "", ""), rows, "l")

@@ -42,10 +42,12 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def _files(self) -> str:
+        """The judged files, by their paths."""
         return ", ".join(map(str, self.paths))
 
     @property
     def _title(self) -> str:
+        """The linkage and the files that it is held against."""
         linkage = self.model.linkage
         return f"{linkage.name} ({linkage.variant}) against {self._files}"
 

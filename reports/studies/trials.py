@@ -175,6 +175,7 @@ class Comparison(Trials):
         places = {(record.run, record.quantity): record for record in self.records}
 
         def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
+            """A field of the records over runs and quantities; ``lacking`` where there is no record."""
             groups = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
             return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in groups]
 

@@ -103,6 +103,7 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
 
 
 def _checked_case(case: Case) -> Case:
+    """The case; raises AssemblyError where its linkage cannot follow its motion."""
     case.check_motion()
     return case
 

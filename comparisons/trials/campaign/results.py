@@ -140,6 +140,7 @@ class CampaignResults:
 
     @cached_property
     def _curves(self) -> Mapping[tuple[str, ...], Mapping[str, Curve]]:
+        """The curves of every run by the run's name."""
         return {run.run: run.curves for run in self.runs}
 
     def curve(self, run: Sequence[str], quantity: str) -> Curve:
@@ -233,6 +234,7 @@ def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
 
 
 def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
+    """The rows of the curves' CSV file, a row for each sample of each curve."""
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:

@@ -84,6 +84,7 @@ def save_case(folder: Path, case: Case) -> None:
 
 
 def _key(row: CaseRow) -> str:
+    """The key of a saved case: mechanism/variant."""
     return f"{row['linkage']['name']}/{row['linkage']['variant']}"
 
 
@@ -93,10 +94,12 @@ def load_cases(folder: Path) -> list[Case]:
 
 
 def _load_rows(folder: Path) -> tuple[CaseRow, ...]:
+    """The saved cases of a folder as rows."""
     return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), lambda row, _: CASE.validate_python(row))[1]
 
 
 def _case_of_row(row: CaseRow) -> Case:
+    """The case that a row saved; a released crank's motion is computed anew."""
     mechanism = Mechanism(described_linkage(row["linkage"]))
     if row["motion"] is not None:
         return Case(mechanism, described_motion(row["motion"]), conditions=row["conditions"])

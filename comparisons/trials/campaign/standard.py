@@ -115,6 +115,7 @@ def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Call
     settings = settings - {Setting.NAIVE} or settings
 
     def is_asked(row: Error) -> bool:
+        """Whether the request asks for this row."""
         if (row.regime, _without_gravity(row.conditions)) not in motions and row.regime not in request.own_regimes:
             return False
         is_variant = variants.get(row.mechanism, row.variant) == row.variant
@@ -127,4 +128,5 @@ def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Call
 
 
 def _without_gravity(conditions: str) -> str:
+    """Conditions in words without their last part, which is on gravity."""
     return conditions.rpartition(GRAVITY)[0] or conditions

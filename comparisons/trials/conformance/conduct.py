@@ -268,6 +268,7 @@ def check_origins(trial: EngineTrial) -> None:
 
 
 def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
+    """Every recorded signal of a run in words, with its origin."""
     if run.history is not None:
         yield from (
             (name, signal.origin) for name, signal in vars(run.history).items() if name != "joint_force" and signal

@@ -134,6 +134,7 @@ def parametrize_engine_checks(
             raise KeyError(f"expected a check, got '{name}' among the expected failures; one of {', '.join(CHECKS)}")
 
     def case_of(check: EngineCheck) -> pytest.ParameterSet:
+        """A check as pytest's parameter, marked if it is expected to fail."""
         marks = [pytest.mark.xfail(reason=expected[check.name], strict=True)] if check.name in expected else []
         return pytest.param(partial(_make, trial, check), id=check.name.replace(" ", "-"), marks=marks)
 

@@ -63,6 +63,7 @@ def misread(right: Reading, wrong: Array) -> Iterator[tuple[str, Array]]:
 
 
 def _misread_angle(right: Reading) -> Iterator[tuple[str, Array]]:
+    """Slips that may befall an angle or its rates, each in words with the values (n, 1) it makes."""
     values = right.values
     yield "it counts clockwise", -values
     if right.channel is Channel.POSITION:
@@ -72,6 +73,7 @@ def _misread_angle(right: Reading) -> Iterator[tuple[str, Array]]:
 
 
 def _misread_vector(right: Reading) -> Iterator[tuple[str, Array]]:
+    """Slips that may befall a plane vector, each in words with the values (n, 2) it makes."""
     values = right.values
     yield "x and y are exchanged", values[:, ::-1]
     for axis, signs in (("x", (-1.0, 1.0)), ("y", (1.0, -1.0))):
@@ -86,6 +88,7 @@ def _misread_vector(right: Reading) -> Iterator[tuple[str, Array]]:
 
 
 def _factor_words(factor: float) -> str:
+    """A factor in words: the slip that it is known for, else its value."""
     known = (words for value, words in FACTORS.items() if abs(factor - value) <= FACTOR_ERROR * abs(value))
     return next(known, f"it is {factor:.5g} times as large")
 

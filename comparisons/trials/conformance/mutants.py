@@ -98,6 +98,7 @@ def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> Hist
     step = moved * min(trial.run(sample).passes, default=0.0)
 
     def altered(scene: Scene) -> Scene:
+        """The scene with other start velocities of all bodies."""
         return replace(scene, bodies=tuple(_with_velocity(body, kept, step) for body in scene.bodies))
 
     wrong = history_with(trial, "altered", altered, sample)
@@ -153,6 +154,7 @@ def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
 
 
 def _slightly_wrong_weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
+    """Richardson's weights with an error of 1e-6 in the first one."""
     right = weights(steps, orders)
     right[0] += 1e-6
     return right
@@ -178,6 +180,7 @@ SLIPS: Final[Mapping[str, tuple[str, Callable[[Signal], Array]]]] = {
 
 
 def _mutants() -> Iterator[Mutant]:
+    """Every deliberate fault of an engine that the checks have to find."""
     for words, (sample, changes, row) in WORLD.items():
         wrong = replace(SAMPLES[sample], **changes)
         yield Mutant(f"{sample}: {words}", partial(_in_sample, sample, wrong), sample, row=row)

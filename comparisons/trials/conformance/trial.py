@@ -154,6 +154,7 @@ class EngineTrial:
     """An engine under test, with its runs so far."""
 
     def __init__(self, engine: Engine) -> None:
+        """An engine on trial; its runs are made on request and kept."""
         self.engine = engine
         self._runs: dict[tuple[str, Setting], Run] = {}
         self._rows: dict[tuple[str, Setting], Mapping[str, bool]] = {}

@@ -250,6 +250,7 @@ def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
     """The motion as half of the samples show it."""
 
     def half(signal: Signal) -> Signal:
+        """Every second sample of a signal, the first included."""
         return replace(signal, time=signal.time[::2], values=signal.values[::2])
 
     history, (position, velocity) = motion.history, map(motion.signal, LEVELS[:2])
@@ -280,10 +281,12 @@ class Invariant:
 
 
 def _samples(inspection: Inspection, channel: Channel = Channel.POSITION) -> int:
+    """The number of samples that the engine has of a channel."""
     return len(inspection.motion.signal(channel).time)
 
 
 def _joint_gap(case: Case, inspection: Inspection) -> Found:
+    """The largest opening of any joint, m, its scale and its number of samples."""
     return joint_gaps(inspection.motion), case.mechanism.linkage.shortest_length(), _samples(inspection)
 
 
@@ -298,6 +301,7 @@ def _closure(case: Case, inspection: Inspection) -> Found:
 
 
 def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
+    """The torque required by the motion less the engine's, N m, its scale and its number of samples."""
     motion, bridged = inspection.motion, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps)
     required = _without_jumps(case, bridged)
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
@@ -305,6 +309,7 @@ def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
 
 
 def _force_balance(case: Case, inspection: Inspection) -> Found:
+    """The imbalance of joint forces over their peak, its scale 1 and its number of samples."""
     return _without_jumps(case, inspection.force_balance()), 1.0, _samples(inspection, Channel.ACCELERATION)
 
 
@@ -388,6 +393,7 @@ def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
 
 
 def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
+    """The channels that an invariant needs and the engine has not recorded, in words; "" if all are there."""
     lacking = [channel.value for channel in invariant.needs if not motion.has(channel)]
     if invariant.of_forces and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
@@ -447,6 +453,7 @@ def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
     """
 
     def check(values: Array) -> Error:
+        """The judged record of these values on the balance's clock."""
         return _judge_signal(
             blank, _without_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time)
         )
@@ -465,4 +472,5 @@ def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
 
 
 def _undefined(record: Error, reason: str) -> Error:
+    """A record with the outcome undefined, for a reason in words."""
     return record._replace(outcome=Verdict.UNDEFINED.value, detail=reason)

@@ -38,6 +38,7 @@ class AssurGroups:
     """
 
     def __init__(self, equations: JointEquations) -> None:
+        """Divide the joints' equations into blocks, one for each Assur group, in an order that can be solved."""
         self.equations = equations
         self._pins = self._pin_points()
         self.blocks: list[tuple[Numbers, Numbers]] = []
@@ -50,6 +51,7 @@ class AssurGroups:
             placed |= {*group}
 
     def _columns(self, bodies: tuple[str, ...]) -> Numbers:
+        """The columns of the Jacobian that belong to the free coordinates of these bodies."""
         columns = self.equations.column[[self.equations.index[name] for name in bodies]]
         return np.asarray(columns[columns != self.equations.size])
 
@@ -181,26 +183,31 @@ class Corrected:
 
     @cached_property
     def _corrected_pose(self) -> tuple[Pose, Arms]:
+        """The bodies after the correction of their positions, and the vectors of their joints."""
         pose = pose_of(self.corrected(0))
         return pose, self.equations.arms(pose)
 
     @cached_property
     def _position_correction(self) -> Array:
+        """The correction of the positions, (instants, bodies, 3), in units and rad."""
         residual = self.equations.residual(*self._observed_pose)
         residual[:, self.equations.crank_row] = self.equations.driven(*self._observed_pose)
         return self._solve_correction(residual, 0)
 
     @cached_property
     def _velocity_correction(self) -> Array:
+        """The correction of the velocities, (instants, bodies, 3), in units/s and rad/s."""
         return self._solve_correction(self._rates(1), 1)
 
     @cached_property
     def _acceleration_correction(self) -> Array:
+        """The correction of the accelerations, (instants, bodies, 3), in units/s² and rad/s²."""
         return self._solve_correction(
             self._rates(2) - self.equations.bend(self._corrected_pose[1], self.corrected(1)), 2
         )
 
     def _rates(self, order: int) -> Reals:
+        """The residual rates (instants, equations) of observed velocities or accelerations: G q̇ or G q̈."""
         jacobian = self.equations.jacobian(self._corrected_pose[1])
         return np.asarray(np.einsum("nrc,nc->nr", jacobian, self.equations.gather(self.observed(order))))
 

@@ -88,6 +88,7 @@ def _row(cells: list[str]) -> Error:
 
 
 def _place(row: Error) -> Place:
+    """The columns by which a row before and a row after are the same result."""
     return row[:7]
 
 
@@ -185,4 +186,5 @@ def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> 
 
 
 def _motion(row: Error) -> MotionUnit:
+    """The linkage, motion and unit of a row, within which roundings are alike."""
     return (*row[:4], row.unit)

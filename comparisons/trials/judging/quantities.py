@@ -125,11 +125,13 @@ def _inertia(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _kinetic_energy(case: Case, motion: ObservedMotion) -> Signal:
+    """Kinetic energy of all bodies, J, on the clock of the velocities."""
     time = motion.signal(Channel.VELOCITY).time
     return Signal(time, motion.kinetic_energy(time))
 
 
 def _power(case: Case, motion: ObservedMotion) -> Signal:
+    """Power of the drive, W, on the clock of the torque."""
     torque = motion.signal(Channel.TORQUE)
     return Signal(torque.time, torque.values * motion.crank(Channel.VELOCITY, torque.time))
 
@@ -159,6 +161,7 @@ def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMot
 
 
 def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
+    """φ, rad or m, its speed or its acceleration, by the engine's own account."""
     time = motion.signal(channel).time
     return Signal(time, motion.crank(channel, time))
 
@@ -211,6 +214,7 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _true_feed(case: Case, time: Array) -> Array:
+    """The thread's feed by the closed form, m, at times (n,), s."""
     return feed(case.mechanism, _thread(case), case.motion.angle(time))
 
 

@@ -174,6 +174,7 @@ class RunRecord:
     @classmethod
     @cache
     def _adapter(cls) -> TypeAdapter[Self]:
+        """Pydantic's reader and writer of this class, made once."""
         return TypeAdapter(cls)
 
     @classmethod

@@ -96,6 +96,7 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     """
 
     def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
+        """The closed form of a channel of these bodies or joints at a signal's times."""
         values = np.stack([channel_truth(case, channel, name, signal.time) for name in names], axis=1)
         if channel is Channel.POSITION:
             values[..., 2] = np.unwrap(values[..., 2], axis=0)
@@ -177,6 +178,7 @@ def signal_errors(
     strongest = max((peak for (channel, *_), peak in peaks.items() if channel is Channel.JOINT_FORCE), default=0.0)
 
     def scale(true: Reading) -> float:
+        """The size, SI, that errors of a signal are a share of: a peak, the scene's size, or 1 rad."""
         if true.channel is Channel.POSITION:
             return 1.0 if true.columns == ANGLE else scene_size(scene)
         least = FAINT_FORCE * strongest if true.channel is Channel.JOINT_FORCE else 0.0

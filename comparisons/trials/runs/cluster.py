@@ -97,6 +97,7 @@ class DaskPool:
 
 
 def _as_completed(client: Any) -> Any:  # noqa: ANN401
+    """Dask's iterator over results as they come, on the loop of this client."""
     from distributed import as_completed  # noqa: PLC0415
 
     return as_completed(loop=client.loop)

@@ -28,6 +28,7 @@ class Claim:
     """An exclusive lock on writing to a folder, across processes; without effect where the system has no file locks."""
 
     def __init__(self, folder: Path) -> None:
+        """Lock a folder until this object is deleted; raises OSError if it is locked. No lock on Windows."""
         try:
             import fcntl  # noqa: PLC0415  POSIX only
         except ImportError:
@@ -138,4 +139,5 @@ def _final_path(path: Path) -> Path:
 
 
 def _write_error(path: Path, why: str | None = "expected a file in a folder that can be written") -> LinkproofError:
+    """The error for a file that cannot be written, with the reason."""
     return LinkproofError(f"cannot write '{path}': {why}; give another place")

@@ -118,6 +118,7 @@ def suite_error(error: BaseException) -> str:
 
 
 def _error_words(error: BaseException) -> str:
+    """An error's type and message on one line, cut to the longest length."""
     words = " ".join(str(error).split())
     return f"{type(error).__name__}: {words}"[:_LONGEST_MESSAGE].rstrip(": ")
 
@@ -271,10 +272,12 @@ def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Itera
 
 
 def _is_time(value: object) -> bool:
+    """Whether a value is a finite time, s, not negative."""
     return isinstance(value, float | int) and 0.0 <= value < math.inf
 
 
 def _is_plain(value: object) -> bool:
+    """Whether a value is a text or a finite number."""
     return isinstance(value, str) or (isinstance(value, float | int) and abs(value) < math.inf)
 
 

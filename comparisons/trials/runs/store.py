@@ -93,6 +93,7 @@ class Runs:
     _numbers: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        """Read the keys of the runs that the study has."""
         found = self.connection.execute("SELECT key, id FROM runs WHERE study = ? ORDER BY id", (self.study,))
         self._numbers = dict(found)
 
@@ -167,6 +168,7 @@ class _Curves(Mapping[str, Curve]):
     run: int
 
     def __getitem__(self, name: str) -> Curve:
+        """The curve of a quantity, read from the file; raises KeyError without one."""
         query = f"SELECT {', '.join(CURVE)} FROM curves WHERE run = ? AND name = ?"
         blobs = self.connection.execute(query, (self.run, name)).fetchone()
         if blobs is None:
@@ -174,10 +176,12 @@ class _Curves(Mapping[str, Curve]):
         return np.array([np.frombuffer(blob, dtype="<f4") for blob in blobs])
 
     def __iter__(self) -> Iterator[str]:
+        """Names of the quantities that have a curve, in the order of writing."""
         names = self.connection.execute("SELECT name FROM curves WHERE run = ? ORDER BY rowid", (self.run,))
         return (name for (name,) in names.fetchall())
 
     def __len__(self) -> int:
+        """Number of curves."""
         return len(list(iter(self)))
 
 
@@ -357,6 +361,7 @@ def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
 
 
 def _make_tables(connection: sqlite3.Connection) -> None:
+    """Create the tables in an empty file, in one transaction."""
     connection.execute(f"PRAGMA page_size = {PAGE}")
     connection.execute("PRAGMA auto_vacuum = FULL")
     with _transaction(connection):

@@ -51,6 +51,7 @@ class TaskList(Generic[R]):
     _finished: int = field(default=0, init=False)  # of those known
 
     def __post_init__(self) -> None:
+        """Take the finished runs, or keep runs in a file without a name."""
         self._runs = temporary_runs() if self.finished is None else self.finished
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
@@ -65,6 +66,7 @@ class TaskList(Generic[R]):
         todo = self.expect(tasks)
 
         def begun(number: int) -> None:
+            """Announce that the task of this number has begun."""
             self._announce(todo[number])
 
         jobs = [task.job for task in todo]
@@ -97,4 +99,5 @@ class TaskList(Generic[R]):
         return key in self._runs
 
     def _announce(self, task: Task) -> None:
+        """Report a task's label with the numbers of finished and of known tasks."""
         self.announce(task.label, self._finished, len(self._known))

@@ -94,6 +94,7 @@ class _Context:
     """The start of the one process of a pool of pebble's; a pool whose process has ended is not filled again."""
 
     def __init__(self) -> None:
+        """Use the start method of ``start_method``; no process yet."""
         self._context = multiprocessing.get_context(start_method())
         self.process: _Process | None = None
 
@@ -116,6 +117,7 @@ class _Context:
 
 
 def _received(reader: Connection) -> object:
+    """The next object from a worker; raises OSError or EOFError also for bytes that are none."""
     try:
         return type(reader).recv(reader)
     except (EOFError, OSError):
@@ -128,6 +130,7 @@ class _Process:
     """A process of multiprocessing that is killed at once, with all that it has started."""
 
     def __init__(self, process: Any) -> None:  # noqa: ANN401 - each start has a class of its own
+        """Wrap a process that is not started yet, and mark it to end with this one."""
         self._process = process
         process.daemon = True
 

@@ -115,6 +115,7 @@ class LocalPool:
         return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, RunBounds], begun: Begun) -> None:
+        """Give a worker a job, and call ``begun`` with the job's index."""
         begun(job[0])
         self._busy[worker.begin(job)] = worker
 

@@ -99,6 +99,7 @@ def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
 
 
 def _factor_between(first: float, second: float) -> float:
+    """The ratio of the larger value to the smaller; infinite beside zero or a negative value, 1 for two of these."""
     low, high = sorted((first, second))
     return math.inf if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)
 
@@ -220,6 +221,7 @@ def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[Cell]:
 
 
 def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> TaskList[Cell]:
+    """The list that runs cells in the pool and keeps their results; ``finished`` ones are not repeated."""
     return TaskList(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
 
 

@@ -95,6 +95,7 @@ def measure(
 
 
 def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
+    """The ``blank`` record with outcome, times and steps of a run; ``wall`` is the time of the whole call, s."""
     return replace(
         blank,
         outcome=run.outcome.value,
@@ -110,6 +111,7 @@ def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
 
 
 def _number_words(value: str | int | float) -> str:
+    """A number with six digits at most, or any other value, as text."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -180,12 +182,14 @@ class Clock:
     """Wall time, s, ``inside`` an engine's own calls, without that of the functions it calls back."""
 
     def __init__(self) -> None:
+        """A clock that stands at 0 s."""
         self.inside = 0.0
 
     def around(self, function: Callable[..., Any], sign: float = 1.0) -> Callable[..., Any]:
         """The same function, its time added to that inside, or taken off."""
 
         def clocked(*given: Any, **named: Any) -> Any:  # noqa: ANN401 - whatever the function takes
+            """Call the function and add its time, with the sign, to ``inside``."""
             begun = time.perf_counter()
             try:
                 return function(*given, **named)

@@ -122,6 +122,7 @@ class PointSweep:
             self.measurements.append(measurement)
 
     def _why_ended(self) -> str:
+        """Why the sweep has no next point, in words; "" while it goes on."""
         done = self.measurements
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._why_failed()
@@ -178,6 +179,7 @@ class Rounds:
     """
 
     def __init__(self, request: BenchRequest, announce: Announce, finished: Runs | None) -> None:
+        """Begin the time of a benchmark: its deadline counts from now."""
         self.request, self.extent = request, request.extent
         self.pickled = [pickle.dumps(case) for case in request.cases]
         self.ends = time.monotonic() + request.extent.deadline
@@ -230,6 +232,7 @@ class Rounds:
             )
 
     def _point_task(self, number: int, point: Point) -> Task:
+        """The task that measures a point in a round; only round 0 computes errors."""
         job = (self.pickled[point.case], point.usage, point.run, self.request.quantities, number == 0)
         label = f"round {number + 1}: {point.run.mechanism}, {point.run.regime}, {point.run.engine} {point.words}"
         return Task(_task_key(number, point), job, label)
@@ -244,6 +247,7 @@ class Rounds:
 
 
 def _task_key(number: int, point: Point) -> str:
+    """The key of a point's measurement in a round."""
     return f"{number} {point.key}"
 
 
@@ -377,6 +381,7 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
         known.add(kinds)
 
     def place(sweep: PointSweep) -> tuple[bool, bool, int]:
+        """The sort key of a sweep: first of its structure, then single runs, then the order of cases."""
         point = sweep.points[0]
         is_extrapolated = isinstance(point.usage, Method) and point.usage.runs > 1
         return repeated[point.case], is_extrapolated, point.case

@@ -283,6 +283,7 @@ def rows(points: DataFrame) -> list[Row]:
 
 @cache
 def _row_type(columns: tuple[str, ...]) -> Row:
+    """The named tuple with these columns."""
     return namedtuple("Row", columns)
 
 
