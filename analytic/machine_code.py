@@ -132,7 +132,7 @@ class OperationList:
         """
         values = dict(known)
         with np.errstate(all="ignore"):
-            for line, row, spent in self._steps(tuple(outputs), frozenset(known)):
+            for line, row, spent in self._computing_order(tuple(outputs), frozenset(known)):
                 values[line] = (
                     row.value
                     if row.name == CONSTANT
@@ -142,8 +142,10 @@ class OperationList:
                     del values[other]  # memory that stays in the cache
         return [values[line] for line in outputs]
 
-    def _steps(self, outputs: tuple[int, ...], known: frozenset[int]) -> list[tuple[int, Operation, list[int]]]:
-        """The lines to compute in order, and which others each is the last to take; the same for every evaluation."""
+    def _computing_order(
+        self, outputs: tuple[int, ...], known: frozenset[int]
+    ) -> list[tuple[int, Operation, list[int]]]:
+        """The lines to compute in order, each with the lines that are needed for the last time there."""
         key = (outputs, known, len(self.operations))
         if key not in self._plans:
             needed = [line for line in self.lines_needed(outputs, known) if line not in known]
@@ -332,8 +334,8 @@ def is_traceable(mechanism: Mechanism) -> bool:
 
 
 @once_per_mechanism
-def _traces(_: Mechanism) -> dict[object, LinkageTrace]:
-    """Lists of a mechanism by what they were made for."""
+def _traces_by_request(_: Mechanism) -> dict[object, LinkageTrace]:
+    """The cache of a mechanism: its lists of operations by the request they were made for."""
     return {}
 
 
@@ -356,7 +358,7 @@ def linkage_trace(
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected groups of two links without change points and friction"
         )
-    varied, zero, known = frozenset(varied), frozenset(zero), _traces(mechanism)
+    varied, zero, known = frozenset(varied), frozenset(zero), _traces_by_request(mechanism)
     key = (varied, tuple(signals), zero, accelerates, all_groups)
     if key in known:
         return known[key]

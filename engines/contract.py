@@ -40,7 +40,7 @@ class Origin(StrEnum):
 
 
 def weakest(origins: Iterable[Origin]) -> Origin:
-    """The origin of what is made of several signals."""
+    """The weakest of several origins: that of a value computed from all of them."""
     return max(origins, key=list(Origin).index, default=Origin.READ)
 
 

@@ -52,7 +52,7 @@ class World:
             self.world.getConstraintSolver().addConstraint(constraint)
 
     def attach(self, parent: Any, kind: str, mass: float = TINY, inertia: float = TINY) -> tuple[Any, Any]:  # noqa: ANN401
-        """A new joint and its body on another body, or on the ground in an empty skeleton."""
+        """Create a joint and a body (kg, kg m²) on a parent, or on the ground for an empty skeleton; returns both."""
         joint, body = getattr(parent, f"create{kind}AndBodyNodePair")()
         body.setInertia(dart.dynamics.Inertia(mass, np.zeros(3), inertia * np.eye(3)))
         return joint, body
@@ -66,7 +66,7 @@ class World:
         return body
 
     def new_joint(self, name: str, ends: tuple[str, str], line: Any, sign: float, keeps_angle: bool) -> Any:  # noqa: ANN401
-        """The constraint of a pin at a point of its first body, the carrier, or of one that slides along a line of it.
+        """Create the constraint of a pin at a point of its carrier or, with a direction in ``line``, on a line of it.
 
         DART has no force of a constraint to read: it acts on a probe that the carrier holds by a joint.
         """
@@ -83,12 +83,12 @@ class World:
         return dart.constraint.BallJointConstraint(probe, other, probe.getTransform().translation())
 
     def spin(self, body: str) -> float:
-        """Angular velocity of a body at the instant of its position."""
+        """Angular velocity of a body, rad/s, at the instant of its position; 0 for one that cannot turn."""
         joint = self.turns.get(body)
         return float(joint.getVelocity(0) + self.half * joint.getAcceleration(0)) if joint else 0.0
 
     def advance(self, speed: float) -> None:
-        """One step with a speed of the crank."""
+        """Take one step with this speed of the crank, rad/s."""
         self.turns[self.given["crank"]].setCommand(0, speed)
         for body, anchor, force in self.given["loads"]:
             self.bodies[body].addExtForce([*force, 0.0], [*anchor, 0.0], False, True)
@@ -103,7 +103,7 @@ class World:
         return np.array([getattr(skeleton, f"get{order}")()[:3] for skeleton in self.skeletons])
 
     def read(self, place: Array) -> Data:
-        """What the last step left, and the forces in the ground's axes of bodies at a place."""
+        """Motion, torque and joint forces, ground frame, of the last step; ``place`` is x, y, angle of every body."""
         changes, axes, forces = self.state("Accelerations"), np.exp(1j * np.append(place[:, 2], 0.0)), list[complex]()
         for probe, row, direction, sign in self.forces.values():
             forces.append(sign * complex(*probe.getBodyForce()[3:5]) * direction * axes[row])
@@ -117,7 +117,7 @@ class World:
 
 
 def build(model: Data) -> Data:
-    """The model as it is: a world needs the step, which only the pass knows."""
+    """Return the model unchanged: a world needs the step, which only ``follow`` knows."""
     return model
 
 

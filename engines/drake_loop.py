@@ -57,17 +57,17 @@ class World:
         plant.get_applied_spatial_force_input_port().FixValue(self.context, loads)
 
     def body(self, mass: float = 0.0, inertia: float = 0.0) -> Any:  # noqa: ANN401
-        """A new body, its frame at the mass centre; without a mass unless given."""
+        """Add a body, its frame at the mass centre, by mass, kg, and inertia, kg m²."""
         own = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(*[inertia / mass if mass else 1.0] * 3))
         return self.plant.AddRigidBody(f"body {self.plant.num_bodies()}", own)
 
     def frame(self, body: Any, point: Point = (0.0, 0.0), angle: float = 0.0) -> Any:  # noqa: ANN401
-        """A new frame on a body."""
+        """Add a frame to a body at a point, m, turned by an angle, rad."""
         pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space_vector(point))
         return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
 
     def add_with_joints(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
-        """A new body and its chain of joints from the ground, each with its direction in x, y and angle."""
+        """Add a body with a chain of joints from the ground; each joint with its axis, as vectors in (x, y, angle)."""
         name, mass, inertia, place, angle = body
         guide, along = given["guides"].get(name, ("", None))
         damping = sum(coefficient for *ends, coefficient in given["dampers"] if name in ends)
@@ -85,7 +85,7 @@ class World:
         return chain
 
     def add_constraint(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
-        """A pin, or a pin in a slot, at a distance from the second body's point.
+        """Add a pin, or with ``far`` > 0, m, a point kept at this distance, which stands for a slot.
 
         Drake has no force of a constraint as output: the constraint acts on a body without mass that is welded to the
         joint's first body, and the weld's force is read.
@@ -100,7 +100,7 @@ class World:
             self.plant.AddBallConstraint(*ends)
 
     def load(self, body: str, anchor: Point, force: Point) -> Any:  # noqa: ANN401
-        """A constant force on a body."""
+        """Create a constant force, N, at a point of a body."""
         load = drake.ExternallyAppliedSpatialForce()
         load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space_vector(anchor)
         load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space_vector(force))
@@ -130,7 +130,7 @@ def _space_vector(vector: Point) -> Any:  # noqa: ANN401
 
 
 def build(model: Data) -> Data:
-    """The model as it is: a plant needs the step, which only the pass knows."""
+    """Return the model unchanged: a plant needs the step, which only ``follow`` knows."""
     return model
 
 

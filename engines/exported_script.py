@@ -110,7 +110,7 @@ def script(
 
 
 def written(value: object) -> str:
-    """Python source of plain data; any text in it stays data."""
+    """Python source of plain data, such that text in it cannot become code."""
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
@@ -150,7 +150,7 @@ def _standalone_source(loop: str) -> tuple[str, str]:
 
 
 def _without_remarks(source: str) -> str:
-    """A source without remarks for linters."""
+    """A source without the comments that address linters."""
     return re.sub(r"  # noqa.*", "", source)
 
 

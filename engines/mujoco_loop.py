@@ -61,11 +61,11 @@ class MujocoWorld:
         }
 
     def read(self, instant: float) -> tuple[Any, ...]:
-        """An instant, s, and what MuJoCo has then."""
+        """A tuple of the instant, s, and copies of MuJoCo's arrays named in ``READ``."""
         return instant, *(getattr(self.data, name).copy() for name in READ)
 
     def samples(self, rows: list[tuple[Any, ...]], channels: list[str]) -> Data:
-        """The channels of what was read."""
+        """Times and values by channel, from rows that ``read`` has returned."""
         time, *values = map(np.array, zip(*rows, strict=True))
         found, result = dict(zip(READ, values, strict=True)), Data()
         frames = found["sensordata"].reshape(len(time), len(self.angles), len(KINEMATICS), 3)[..., :2]
@@ -104,7 +104,7 @@ class MujocoWorld:
         raise ArithmeticError("the friction of the joints grows without end, as in a linkage that locks itself")
 
     def rub(self) -> None:
-        """Set the friction of every joint, N or N m, by its present force."""
+        """Update ``rubbing``, the friction of every joint, N or N m, from the joints' present forces."""
         data = self.data
         mujoco.mj_rnePostConstraint(self.model, data)
         self.rubbing = [
@@ -147,7 +147,7 @@ class MujocoWorld:
         return control if segment or times or loaded else None
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """Instants of a part, s, and what is read at them."""
+        """Step through a part and yield its samples as ``read`` returns them."""
         model, data, settle = self.model, self.data, self.given["settle"]
         sample = (part["end"] - part["start"]) / part["samples"]
         model.opt.timestep = sample / course["ratio"]

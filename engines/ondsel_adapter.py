@@ -70,21 +70,21 @@ class OndselModel:
     line: tuple[int | None, complex] | None = None
 
     def add_part(self, body: Body) -> None:
-        """A part at a body's mass centre; what its inertia is out of the plane does not matter."""
+        """Add a part at a body's mass centre; its inertia out of the plane has no effect."""
         inertia = float(body.mass if body.inertia is None else body.inertia)
         self.numbers[body.name], self.angles[body.name] = len(self.parts), body.angle
         pose = [float(number) for number in (*body.position, body.angle)]
         self.parts.append({"mass": float(body.mass), "inertia": inertia, "pose": pose, "markers": []})
 
     def add_marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
-        """The path of a new marker on a body."""
+        """Add a marker to a body at a place, m; returns its path."""
         number = self.numbers.get(body)  # None is the ground
         markers = self.ground if number is None else self.parts[number]["markers"]
         markers.append(((float(place[0]), float(place[1]), 0.0), axes))
         return ("" if number is None else f"part{number}/") + f"marker{len(markers) - 1}"
 
     def add_joint(self, kind: str, first: str, second: str, *, motion: str = "") -> str:
-        """The name of a new joint, and of its force on the first marker; ``motion`` names one that turns it."""
+        """Add a joint between two markers; returns its name, which is also that of its force on the first marker."""
         if motion:
             self.motions.append((motion, len(self.joints), "rotational" if kind == "revolute" else "translational"))
         self.joints.append((kind, first, second))

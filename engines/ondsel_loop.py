@@ -96,7 +96,7 @@ def append_samples(signal: tuple[list[float], list[Any]], time: Array, values: A
 
 
 def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
-    """The drive's moment, or its force along the line of a slider or cylinder, (frames,)."""
+    """The drive's moment, N m, or its force, N, along the direction in ``line``, at every frame, (frames,)."""
     path = f"/{NAME}/drive"
     if line is None:
         return -rows[path, "TZonI"]

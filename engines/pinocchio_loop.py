@@ -65,7 +65,7 @@ class World:
             self.damping[np.ix_(turns, turns)] += coefficient * (2.0 * np.eye(len(turns)) - 1.0)
 
     def solve(self, target: list[Any], position: Array, velocity: Array) -> Any:  # noqa: ANN401
-        """Accelerations of a state, with what the crank's frame has to be then, and the loads."""
+        """Joint accelerations in a state; ``target`` has the crank's required acceleration and the loads."""
         self.axes[:], self.desired[2], efforts, couples = target
         if self.given["dampers"]:
             efforts -= self.damping.dot(velocity)
@@ -74,7 +74,7 @@ class World:
         return pin.constraintDynamics(*self.system, position, velocity, efforts, self.ties, self.solved, self.settings)
 
     def read(self, changes: Array) -> Data:
-        """What Pinocchio has of the state that was solved last."""
+        """Motion, torque and joint forces of the state solved last; ``changes`` are its joint accelerations."""
         position, velocity, acceleration = (values[self.columns] for values in (*self.state, changes))
         return {
             "position": position,
@@ -85,7 +85,7 @@ class World:
         }
 
     def part_states(self, part: Data, ratio: int) -> Iterator[tuple[float, Data]]:
-        """What is read at the samples of a part."""
+        """Step through a part and yield each sample: time, s, and data as from ``read``."""
         steps, settle, (start, coefficients) = part["samples"] * ratio, self.given["settle"], part["segment"]
         times, step = np.linspace(part["start"], part["end"], steps + 1, retstep=True)
         rule = np.array(RUNGE_KUTTA if settle else EULER, dtype=float)

@@ -49,7 +49,7 @@ class World:
         return function
 
     def add(self, number: int, places: Any) -> int:  # noqa: ANN401
-        """A body, with the blocks that slide on it as its links."""
+        """Create a body, with the blocks that slide on it as its links; returns PyBullet's number of it."""
         bodies, (owners, arms, hosts, _) = self.given["bodies"], self.given["ends"]
         (mass, inertia), place = bodies[number], places[number]
         guides = [(n, along) for n, along in self.given["guides"].items() if hosts[n] == number]
@@ -78,7 +78,7 @@ class World:
         return int(body)
 
     def tie(self, n: int, body: int, here: list[float], host: int, there: list[float]) -> int:
-        """The constraint of a joint: between two bodies, or a body and a block."""
+        """Create the constraint of joint ``n`` between two bodies, or a body and a block; returns PyBullet's number."""
         kind = pybullet.JOINT_FIXED if n in self.given["fixed"] else pybullet.JOINT_POINT2POINT
         both = self.bodies[body], -1, self.bodies[host], self.links.get(n, -1)
         point = [0.0, 0.0, 0.0] if n in self.links else [*there, 0.0]
@@ -87,7 +87,7 @@ class World:
         return int(tie)
 
     def advance(self, turn: list[float]) -> None:
-        """A step, in which the drive comes to an orientation, a quaternion; the loads are those of the step's start."""
+        """Take a step that turns the drive to an orientation, a quaternion, under the loads of the step's start."""
         self.turn(jointChildFrameOrientation=turn)
         for body, anchor, force in self.given["forces"]:
             place = self.getBasePositionAndOrientation(self.bodies[body])

@@ -57,7 +57,7 @@ class Unusable:
         return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Raise what loading raised."""
+        """Raise the error that loading the adapter raised."""
         raise self.error
 
 
@@ -68,7 +68,7 @@ def _announced() -> dict[str, EntryPoint]:
 
 @cache
 def _read_announced(_: tuple[str, ...]) -> dict[str, EntryPoint]:
-    """Read once for a search path: reading takes longer than many a run."""
+    """Entry points by engine name; cached by search path, since reading takes longer than many runs."""
     entries = sorted(entry_points(group=GROUP), key=lambda entry: _is_ours(entry.value))
     return dict(sorted((entry.name, entry) for entry in entries))
 
@@ -112,7 +112,7 @@ def engine(name: str) -> Engine:
 
 
 def stand_in(name: str, error: BaseException) -> Unusable:
-    """What takes the place of an adapter whose loading raised an error."""
+    """The Unusable adapter that replaces one whose loading raised an error."""
     entry = entry_point(name)
     module = entry.value.partition(":")[0].strip()  # which may be no name of a module at all
     return Unusable(name, module, entry.dist.version if entry.dist else "", error)
@@ -147,7 +147,7 @@ def _load_adapter(entry: EntryPoint) -> Engine:
 
 
 def check_adapter(adapter: Engine) -> None:
-    """Raise PluginError for an adapter whose facts are not as the contract has them."""
+    """Raise PluginError unless name, version, ``is_control`` and abilities have the types of the contract."""
     version = adapter.version()
     if not isinstance(adapter.name, str) or not adapter.name.strip():
         raise PluginError(f"expected a name as text, got {adapter.name!r}")

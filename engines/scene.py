@@ -244,7 +244,7 @@ class Scene:
 
     @property
     def loads(self) -> tuple[Load, ...]:
-        """All loads beside gravity."""
+        """All loads except gravity: forces, torques, springs, dampers."""
         return (*self.forces, *self.torques, *self.springs, *self.dampers, *self.turn_springs)
 
     @property
@@ -386,7 +386,7 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
-    """A body of the scene: without inertia where it cannot turn, with those of the pin masses in its slots."""
+    """A body of the scene: no inertia if it cannot turn; pin masses in its slots add to its own."""
     hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
     if start.inertia is None or start.name in merged or not turns(start.name, hosts):
         # A pin mass in a turning slot cannot turn, so its initial angular velocity is zero.
@@ -396,7 +396,7 @@ def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
 
 
 def turns(name: str, hosts: Mapping[str, str]) -> bool:
-    """Whether a body turns: a slider does where its host, by its name, does; sliders on each other in a circle may."""
+    """Whether a body turns; a slider turns with its host. Bodies that slide on each other in a circle count so too."""
     left = dict(hosts)
     while name in left:
         name = left.pop(name)
@@ -424,7 +424,7 @@ def _slot_body(linkage: Linkage, slot: Slot) -> str:
 
 
 def _line(linkage: Linkage, joint: Slider | Slot, body: str) -> tuple[str, str, Vector, str, Vector, Vector]:
-    """The fields of a scene's slider or slot whose point is on ``body``."""
+    """The fields of a scene's slider or slot: names, anchor and guide, relative to mass centres, m."""
     guide = joint.guide
     through = _from_centre(linkage, guide.host, guide.through)
     return joint.name, body, _anchor_of_point(linkage, joint.point, body), guide.host, through, guide.along

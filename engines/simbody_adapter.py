@@ -103,7 +103,7 @@ class SimbodyModel:
         }
 
     def body_numbers(self, item: PointSpring | TurnDamper | Cylinder) -> tuple[int, int]:
-        """Numbers of the bodies that something is between."""
+        """Numbers of the two bodies that a spring, damper or cylinder connects."""
         return self.numbers[item.first], self.numbers[item.second]
 
     def body_data(self, branch: Branch) -> dict[str, Any]:
@@ -160,7 +160,7 @@ class SimbodyModel:
                 yield crank, (0.0, 0.0), vars(scene.drive.over_time)
 
     def readout_data(self, body: Body) -> tuple[int, list[int], float]:
-        """A body, those whose coordinates add up to its angle, and what there is to add."""
+        """A body's number, the coordinates whose sum is its angle, and the constant, rad, to add to it."""
         turning = self.turning[body.name] if body.inertia is not None else []
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
@@ -178,7 +178,7 @@ class SimbodyModel:
         return {joint.name: forces[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
     def drive(self) -> tuple[int, float, Vector | None]:
-        """The driven body, the sign of its joint's force, and along what that is the drive's; None for a moment."""
+        """Number of the driven body, sign of its joint's force, and the drive's direction; None for a torque."""
         number = self.numbers[self.linked.crank]
         branch = self.tree.branches[number]
         return number, _sign_of_branch(branch), branch.joint.along if isinstance(branch.joint, SliderJoint) else None
@@ -218,7 +218,7 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """Loads over the crank angle become tables over time, which a free crank does not have."""
+        """Refuse loads over φ on a released crank, and bodies without mass that Simbody cannot solve; else None."""
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
         if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
@@ -237,13 +237,13 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
 
 
 def _lost_inertia(scene: Scene) -> str | None:
-    """OpenSim::Body sets the inertia of a body without mass to zero, with a line in its log alone."""
+    """The sentence that OpenSim would drop the inertia of a body without mass; None without such a body."""
     lost = next((body.name for body in scene.bodies if body.inertia and not body.mass), None)
     return lost and f"it takes no inertia of a body without mass, as '{lost}' has"
 
 
 def _weightless_end(tree: SpanningTree) -> str | None:
-    """Simbody solves its tree from the ends inwards: what moves there has to have a mass of its own."""
+    """The sentence that a body without mass ends Simbody's tree, which it cannot solve; None without one."""
     parents = {branch.parent for branch in tree.branches}
     for branch in tree.branches:
         body, joint = branch.body, branch.joint

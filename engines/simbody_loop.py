@@ -23,12 +23,12 @@ opensim.Logger.setLevelString("Off")  # or it prints, and leaves a log file
 
 
 def vec3(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
-    """A vector of OpenSim's."""
+    """A vector of OpenSim's from its components."""
     return opensim.Vec3(float(x), float(y), float(z))
 
 
 def in_plane(space: Any, factor: float = 1.0) -> tuple[float, float]:  # noqa: ANN401
-    """The components of a vector in the plane, times a factor."""
+    """The x and y components of a vector of OpenSim's, times a factor."""
     return factor * space.get(0), factor * space.get(1)
 
 
@@ -181,7 +181,7 @@ def follow(world: SimbodyWorld, course: Data) -> Data:
 
 
 def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
-    """Instants of a part, s, and what is read at them; OpenSim's clock starts anew with every segment."""
+    """Step through a part and yield each sample: time, s, and its channels; OpenSim's clock restarts every segment."""
     model, given = world.model, world.given
     time = np.linspace(part["start"], part["end"], part["samples"] + 1)
     zero, coefficients = part["segment"] or (0.0, [0.0])

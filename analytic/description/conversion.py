@@ -51,7 +51,7 @@ PAIR = "links = [...]"  # names the bodies of two points
 
 
 def loads(reader: Reader) -> dict[str, Any]:
-    """The loads by kind; a force or a torque on the ground has no effect and is left out."""
+    """All loads of the file by kind, SI; those on the ground have no effect and are left out."""
     makers: dict[str, Callable[..., Any]] = {"forces": _force, "torques": _torque, "springs": _spring}
     result = {}
     for kind in LOADS:
@@ -155,12 +155,12 @@ def regime_of(reader: Reader, name: str) -> FileRegime:
 
 
 def _written_keys(table: doc.RegimeTable) -> list[str]:
-    """Keys of the regime in the file, as written there."""
+    """The keys that the regime's table has in the file, spelt as there."""
     return [field.alias or name for name, field in type(table).model_fields.items() if name in table.model_fields_set]
 
 
 def _kind_of_regime(keys: Sequence[str]) -> str:
-    """What the keys of a regime describe, a key of ``KINDS``: a swing, segments, a table, or a released crank."""
+    """The kind of a regime by its keys, a key of ``KINDS``: swing, segments, table, or released crank."""
     if "segments" in keys:
         return "segments"
     if "to" in keys or "from" in keys:
@@ -351,7 +351,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
 
 
 def _thread(reader: Reader) -> ThreadPath | None:
-    """The thread's way in m and rad; every eye is a point of the linkage."""
+    """The thread's path in m and rad; None without a thread. Raises DescriptionError for an unknown eye."""
     table = reader.document.thread
     if table is None:
         return None
@@ -376,7 +376,7 @@ def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | Thre
 
 
 def _check_eye(reader: Reader, eye: str, where: str) -> None:
-    """Refuse an eye that is no point of the linkage."""
+    """Raise DescriptionError for an eye that is no point of the linkage."""
     if eye not in reader.carriers:
         raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
 
@@ -395,7 +395,7 @@ def _link(reader: Reader, name: str) -> lk.Link:
 
 
 def _check_driver(reader: Reader) -> None:
-    """Check that there is one driver: a link, or a cylinder with its length at the sketch."""
+    """Raise DescriptionError unless there is one driver: a link, or a cylinder with its length at the sketch."""
     document = reader.document
     if not document.crank and document.cylinder is None:
         raise reader.fail(f"crank is missing: expected {EXPECTED['crank']}; add it, or a cylinder")
@@ -447,7 +447,7 @@ def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:
-    """Refuse two points of one link in one place."""
+    """Raise DescriptionError for two points of one link in one place."""
     least = COINCIDENT * linkage.extent()
     for name, link in linkage.links.items():
         for (first, a), (second, b) in itertools.combinations(link.points.items(), 2):
@@ -459,7 +459,7 @@ def _check_lengths(reader: Reader, linkage: Linkage) -> None:
 
 
 def _turns(reader: Reader, name: str) -> bool:
-    """Whether a link can turn: a slider turns with its host, the ground does not."""
+    """Whether a link can turn: a slider as its host does. Raises DescriptionError for sliders in a circle."""
     seen: list[str] = []
     while name != GROUND:
         if name in seen:
@@ -495,7 +495,7 @@ def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -
 
 
 def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
-    """The pins in slots, sorted by the name of the slot."""
+    """The pins in slots, sorted by name, SI; raises DescriptionError for a second slot or a pin on its host alone."""
     slots: dict[str, lk.Slot] = {}
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"

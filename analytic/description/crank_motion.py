@@ -274,7 +274,7 @@ def check_times(t: Array) -> None:
 
 
 def _check_steps(time: Array, angle: Array) -> None:
-    """Refuse one step, or one point off between two, that no speed of the others explains."""
+    """Raise LinkproofError for one step, or one point off between two, that no speed of the others explains."""
     speeds = np.abs(np.diff(angle) / np.diff(time))
     fastest = int(np.argmax(speeds))  # one of the steps at fault, if there are any
     for width in (1, 2):
@@ -327,7 +327,7 @@ class Wave:
     last: int
 
     def pieces(self) -> Iterator[Segment]:
-        """The wave in pieces of an eighth of a turn."""
+        """The wave as polynomials, each over an eighth of its turn."""
         count = self.last - self.first
         length = (self.end - self.start) / count
         rate = EIGHTH / length
@@ -352,12 +352,12 @@ class MotionLaw:
 
 
 def _polynomial_law(peak: float, *coefficients: float, at_rest: bool = True) -> MotionLaw:
-    """A law that is one polynomial over the whole move."""
+    """A law that is one polynomial on [0, 1], lowest power first; ``peak`` is its largest slope."""
     return MotionLaw((Segment(0.0, 1.0, coefficients),), peak, at_rest)
 
 
 def _sine_law(peak: float, *waves: Wave) -> MotionLaw:
-    """A law made of sine waves end to end."""
+    """A law made of sine waves end to end on [0, 1]; ``peak`` is its largest slope."""
     return MotionLaw(tuple(piece for wave in waves for piece in wave.pieces()), peak)
 
 
@@ -410,7 +410,7 @@ def sequence(regime: str, start_angle: float, moves: Sequence[Move]) -> CrankMot
 
 
 def _segments(move: Move, begun: float, angle: float, target: float) -> list[Segment]:
-    """The pieces of one move from ``angle`` to ``target``, rad, begun at ``begun``, s; one for a dwell."""
+    """The pieces of a move from ``angle`` to ``target``, rad, that begins at ``begun``, s; a dwell is one piece."""
     if move.law not in LAWS:
         raise UnknownNameError("law", move.law, LAWS)
     if target == angle:
@@ -424,7 +424,7 @@ def _segments(move: Move, begun: float, angle: float, target: float) -> list[Seg
 
 
 def _check_joins(motion: CrankMotion) -> None:
-    """Refuse a motion whose speed jumps between two moves."""
+    """Raise LinkproofError for a motion whose speed jumps between two moves."""
     for before, after in zip(motion.segments, motion.segments[1:], strict=False):
         left, right = float(before.value(before.end, 1)), float(after.value(after.start, 1))
         if abs(left - right) > SAME_SPEED * motion.peak_speed:

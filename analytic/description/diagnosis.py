@@ -123,7 +123,7 @@ def _most_telling_fault(faults: Sequence[ErrorDetails]) -> ErrorDetails:
 
 
 def _keys(fault: ErrorDetails) -> list[str]:
-    """Keys from the file's root to the fault, without the validator's names for the forms a value can take."""
+    """Keys, as text, from the file's root to the fault, without pydantic's own entries for alternative forms."""
     forms = ("tuple[", "list[", "constrained-", "float")
     return [str(key) for key in fault["loc"] if key != "Polar" and not str(key).startswith(forms)]
 

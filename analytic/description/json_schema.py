@@ -37,7 +37,7 @@ def json_schema() -> Schema:
 
 
 def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
-    """A part of a schema of pydantic's in the words of Draft 4, without nulls, which TOML has not."""
+    """A part of pydantic's JSON schema rewritten for Draft 4; null is dropped, since TOML has none."""
     if isinstance(part, list):
         return [_draft_4(entry) for entry in part]
     if not isinstance(part, dict):

@@ -75,12 +75,12 @@ class DriverCoordinate:
         return "force" if self.is_linear else "torque"
 
     def kind(self, kind: Kind) -> Kind:
-        """The kind of a number that may be one of the driver."""
+        """A kind of number with the driver's own meaning: for a linear one, lengths and forces."""
         return kind.of_driver(is_linear=self.is_linear)
 
     @property
     def mark(self) -> str:
-        """What follows a number: "°", " mm"."""
+        """The unit as it follows a number: "°", " mm"."""
         return f" {self.unit.name}" if self.is_linear else self.unit.name
 
     def text(self, value: float) -> str:
@@ -259,7 +259,7 @@ class CylinderDrive:
 
     @property
     def has_ends(self) -> bool:
-        """Whether its length is bounded."""
+        """Whether its shortest or its longest length is given."""
         return self.shortest is not None or self.longest is not None
 
 
@@ -394,7 +394,7 @@ class Linkage:
     """What ``plot`` draws by, which stands above this room: the package linkproof sets it."""
 
     def __repr__(self) -> str:
-        """A line."""
+        """One line with name, variant and title."""
         return f"<Linkage: {self.name} ({self.variant}): {self.title}>"
 
     def _repr_html_(self) -> str:
@@ -422,13 +422,13 @@ class Linkage:
         for number in sorted(every, key=lambda number: number.path[0] != "links" or number.path[2] == "points"):
             if number.kind is Kind.COORDINATE or ANGLES in number.path:
                 continue
-            name = _name(self, number.path)
+            name = _dotted_name(self, number.path)
             counted = (f"{name} #{count}" for count in itertools.count(2))
             result[name if name not in result else next(free for free in counted if free not in result)] = number
         return result
 
     def numbers_of(self, part: str) -> Iterator[Number]:
-        """The numbers of one field, with or without names."""
+        """Every number of one field of the linkage, with its path and kind."""
         return walk(getattr(self, part), number_fields(Linkage)[part], (part,))
 
     @property
@@ -496,7 +496,7 @@ class Linkage:
         return f"{length / factor('length', unit):z.4g} {unit}"
 
     def local(self, point: str, body: str) -> Vector:
-        """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""
+        """Coordinates of a point, m, in the frame of a body (a link's name or ``ground``) that carries it."""
         return self.ground[point] if body == GROUND else self.links[body].points[point]
 
     def shortest_length(self) -> float:
@@ -517,8 +517,8 @@ class Linkage:
         return max(abs(coordinate) for place in places for coordinate in place)
 
 
-def _name(linkage: Linkage, path: Keys) -> str:
-    """The name of the number at a path: what the number is of, and which it is."""
+def _dotted_name(linkage: Linkage, path: Keys) -> str:
+    """The dotted name of the number at a path in the linkage: "rod.B.x"."""
     keys: Sequence[str | int] = path
     match path:
         case ("links", link, "points", *rest) | ("links", link, *rest):
@@ -529,10 +529,10 @@ def _name(linkage: Linkage, path: Keys) -> str:
             keys = linkage.slots[index].name, *rest
         case ("forces", int(index), _, row, axis):
             force = linkage.forces[index]
-            keys = "forces", force.point, *_row(force.force, row), axis
+            keys = "forces", force.point, *_row_in_name(force.force, row), axis
         case ("torques", int(index), _, row, _):
             torque = linkage.torques[index]
-            keys = "torques", torque.link, *_row(torque.torque, row)
+            keys = "torques", torque.link, *_row_in_name(torque.torque, row)
         case ("springs", int(index), what):
             keys = "springs", *linkage.springs[index].points, what
         case (str(kind), int(index), what) if kind in BETWEEN_LINKS:
@@ -540,6 +540,6 @@ def _name(linkage: Linkage, path: Keys) -> str:
     return ".".join("xy"[key] if isinstance(key, int) else key for key in keys)
 
 
-def _row(law: Law, row: str | int) -> tuple[str, ...]:
-    """The row of a load's table in a name; a constant load has none."""
+def _row_in_name(law: Law, row: str | int) -> tuple[str, ...]:
+    """The part of a number's name that says the row of a load's table; () for a constant load."""
     return () if law.angles is None else (str(row),)

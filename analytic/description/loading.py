@@ -84,7 +84,7 @@ def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
 
 
 def find(name: str) -> Path:
-    """Path of a mechanism: a name known here, or the path of a user's own ``.toml`` file."""
+    """Path of a mechanism by its name here or its own ``.toml`` path; raises UnknownNameError or DescriptionError."""
     path = Path(name)
     ours = known_names()
     if not path.suffix and path.parent == Path():
@@ -233,7 +233,7 @@ BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
 
 def _syntax_error(fault: str, text: str, origin: str) -> str:
-    """A syntax error of the TOML parser, its place first."""
+    """The message for a TOML syntax error: file, line, the fault and its remedy."""
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line_number(text.rstrip(), len(text)), None)
     slip = _known_slip(fault, text.split("\n")[int(line) - 1])
@@ -263,7 +263,7 @@ def read_document(path: Path, what: str, model: type[M]) -> M:
 
 
 def read_source(path: Path, what: str) -> Source:
-    """The text of such a file; raises LinkproofError with the path."""
+    """The text of a TOML file; ``what`` is expected there, in words. Raises LinkproofError with the path."""
     try:
         return Source(printable(str(path)), read_file(path, what).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
@@ -271,7 +271,7 @@ def read_source(path: Path, what: str) -> Source:
 
 
 def parse_document(source: Source, model: type[M]) -> M:
-    """A text in TOML as its ``model`` has it; raises DescriptionError with file, line and key."""
+    """A TOML text, checked, as an object of ``model``; raises DescriptionError with file, line and key."""
     raw = tables(source.text, source.name) if source.text.strip() else {}
     check_characters(raw, source)
     try:
@@ -281,7 +281,7 @@ def parse_document(source: Source, model: type[M]) -> M:
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:
-    """Refuse control characters, which would reach terminals and pages from names and titles; texts may have lines."""
+    """Raise DescriptionError for control characters, which would reach terminals; texts may have line ends."""
     for keys, text in _all_texts(raw, []):
         name = keys[-1]
         if not (text.isprintable() or all(is_safe(c) or c in "\n\t" for c in text)) or not all(map(is_safe, name)):
@@ -291,7 +291,7 @@ def check_characters(raw: Mapping[str, Any], source: Source) -> None:
 
 
 def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
-    """Every text of a document with the keys that lead to it, and every key, with no text."""
+    """Every text of a document with its keys and, with "" as text, every key."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield [*keys, key], ""
@@ -304,7 +304,7 @@ def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]
 
 
 def _check_links(base: object, over: object, source: Source, variant: str) -> None:
-    """A variant's link of another name is a slip, unless it is a whole new link."""
+    """Raise DescriptionError for a variant's link that the file lacks, unless the variant gives its mass."""
     if isinstance(base, dict) and isinstance(over, dict):
         for link, table in over.items():
             if link not in base and not (isinstance(table, dict) and "mass" in table):
@@ -356,7 +356,7 @@ def with_variant_written(text: str, name: str, variant: str | None) -> str:
             continue
         file.set(number, value)
     result = _toml_text(text, raw)
-    _check(result, name, linkage)
+    _check_written_numbers(result, name, linkage)
     return result
 
 
@@ -406,7 +406,7 @@ def rewritten(
     if target.output and any(".along." in number for number in changed):
         raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
     result = f"{_first_line(name, old.variant, sentences)}\n{_toml_text(text, raw)}"
-    _check(result, name, target)
+    _check_written_numbers(result, name, target)
     return result
 
 
@@ -509,8 +509,8 @@ def _is_alike(old: object, new: object) -> bool:
     return isinstance(old, MutableMapping) and isinstance(new, dict)
 
 
-def _check(result: str, name: str, target: Linkage) -> None:
-    """Check every number of the new file against its intended value, to the rounding of the file's units."""
+def _check_written_numbers(result: str, name: str, target: Linkage) -> None:
+    """Raise LinkproofError where a number of the new file misses its intended value by more than rounding."""
     new = parse(result, name, f"{name} with other numbers")
     meant, got = numbers_of(target), numbers_of(new)
     for number in [*meant, *got]:

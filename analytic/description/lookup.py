@@ -35,16 +35,16 @@ class Reader:
     phi: DriverCoordinate
 
     def fail(self, message: str) -> DescriptionError:
-        """The error to raise about this file; the message begins with the key at fault."""
+        """The DescriptionError about this file, for the caller to raise; the message begins with the key at fault."""
         return self.source.fault(message)
 
     def unit(self, kind: Kind) -> FileUnit:
-        """The file's unit for a kind of number."""
+        """The file's unit for a kind of number, of the driver's kind where that depends on the driver."""
         return kind_unit(self.phi.kind(kind), self.units)
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The units of the file by kind."""
+        """Names of the file's units, by kind."""
         return self.document.units.model_dump()
 
     def direction(self, pair: tuple[float, float], where: str) -> Vector:
@@ -93,7 +93,7 @@ class Reader:
         return named or (GROUND if GROUND in owners else moving[0])
 
     def body(self, name: str, where: str) -> str:
-        """A link's name or the ground, checked."""
+        """The name of a link or of the ground; raises DescriptionError if there is none of this name."""
         if name != GROUND and name not in self.document.links:
             raise self.fail(f"{where}: {UnknownNameError('link', name, [*self.document.links, GROUND])}")
         return name
@@ -125,7 +125,7 @@ def reader_of(document: doc.Document, source: Source) -> Reader:
 
 
 def _si_values(reader: Reader) -> dict[Keys, float]:
-    """The numbers of a file that are others in SI, where what is negligibly small is 0, by their keys."""
+    """The numbers of a file whose SI value differs, by their keys; negligibly small ones become 0."""
     values = {}
     for path, kind, value in walk(reader.document):
         unit = reader.unit(kind)

@@ -47,7 +47,7 @@ SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less cou
 
 
 def is_exact(mechanism: Mechanism) -> bool:
-    """Whether derivatives are exact; else they are differences."""
+    """Whether derivatives are exact, as for linkages of dyads without friction; else they are differences."""
     return is_traceable(mechanism)
 
 
@@ -87,7 +87,7 @@ def signal_gradients(
     LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
-    _check(mechanism, parameters)
+    _check_parameters(mechanism, parameters)
     if not is_exact(mechanism):
 
         def curves_of(numbers: Mapping[str, float]) -> Array:
@@ -117,7 +117,7 @@ def figure_gradients(
     ``parameters`` as for ``signal_gradients``. The derivative is nan where equal tops have different derivatives.
     """
     places = np.asarray(angle, dtype=float)
-    _check(mechanism, parameters)
+    _check_parameters(mechanism, parameters)
     if not is_exact(mechanism):
         _check_moves(_Design(mechanism, parameters, speed).followed.sweep(places))
         period = period_of(mechanism, places)
@@ -162,7 +162,7 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
 @once_per_mechanism
 def _zeros_of_s(_: Mechanism) -> dict[object, Curve]:
-    """Where S counts from in designs of a mechanism that were asked for of late, by their numbers."""
+    """The cache of a mechanism: where S counts from, by the design's numbers."""
     return {}
 
 
@@ -175,11 +175,11 @@ class _Design:
     speed: float
 
     def _list(self, signals: Iterable[str]) -> LinkageTrace:
-        """The list of operations of signals, of S the output's coordinate."""
+        """The list of operations that computes these signals; in place of S the output's coordinate."""
         return linkage_trace(self.mechanism, self.parameters, tuple(map(sampled_source, signals)))
 
-    def _given(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:
-        """Values of the inputs of a list by line, at crank angles, rad."""
+    def _input_values(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:
+        """Values of the list's inputs by line: the design's numbers, and crank angles, rad."""
         zero = {ZERO_OF_S: self._zero_of_s[0]} if ZERO_OF_S in listed.trace.inputs else {}
         return listed.values({**self.parameters, **zero}, places, speed_of(self.parameters, self.speed))
 
@@ -226,7 +226,7 @@ class _Design:
     ) -> list[Curve]:
         """Signals with their derivatives in some ways: of each the change of the inputs by their lines."""
         moving = {line for way in ways for line in way}
-        rows = listed.trace.differentiated(listed.signals, self._given(listed, places), moving)
+        rows = listed.trace.differentiated(listed.signals, self._input_values(listed, places), moving)
         result = []
         for name, (value, slopes) in zip(signals, rows, strict=True):
             rises = [
@@ -235,7 +235,7 @@ class _Design:
             full = np.stack([np.broadcast_to(rise, places.shape) for rise in rises])
             if name == "S":
                 full = zero[1].reshape(-1, *[1] * places.ndim) - full
-            result.append((self._shown(name, value, places, zero[0]), full))
+            result.append((self._signal_of_line(name, value, places, zero[0]), full))
         return result
 
     def values(self, signals: Sequence[str], places: Array, zero_of_s: float = 0.0) -> list[Array]:
@@ -244,15 +244,15 @@ class _Design:
         Raises AssemblyError where the design has no motion at one of the places.
         """
         listed = self._list(signals)
-        *rows, moves = listed.trace.evaluate([*listed.signals, listed.moves], self._given(listed, places))
+        *rows, moves = listed.trace.evaluate([*listed.signals, listed.moves], self._input_values(listed, places))
         if not np.all(moves):
             linkage = with_numbers(self.mechanism.linkage, self.parameters)
             signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
             _check_moves(Sweep(linkage, find_structure(linkage).with_signs(signs), places))
-        return [self._shown(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
+        return [self._signal_of_line(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
 
-    def _shown(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
-        """A signal from its line: of S the coordinate, of a link's angle what lies within a turn."""
+    def _signal_of_line(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
+        """A signal at crank angles from its line: S from the coordinate, a link's angle unwrapped."""
         full = np.broadcast_to(value, places.shape)
         if name == "S":
             return zero_of_s - full
@@ -260,12 +260,12 @@ class _Design:
 
     @cached_property
     def followed(self) -> Mechanism:
-        """The design by itself, for a mechanism whose assembly modes have to be followed."""
+        """The design as a mechanism of its own, its assembly modes followed from this mechanism's."""
         return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, self.parameters))
 
     @property
     def _mechanism_of_loads(self) -> Mechanism:
-        """A mechanism in which loads have their corners where they have them in this design."""
+        """The mechanism whose loads have their corners at this design's crank angles."""
         moves = self.mechanism.linkage.has_loads_of_output
         return self.followed if moves else self.mechanism
 
@@ -324,7 +324,7 @@ class _Design:
                 factor = turned if quantity.reduction is Reduction.RMS else 1.0
                 rows += [quantity.integrand(turned), *(factor * slopes)]
             listed = self._list(signals)
-            sizes = listed.trace.evaluate(listed.determinants, self._given(listed, phi))
+            sizes = listed.trace.evaluate(listed.determinants, self._input_values(listed, phi))
             return np.stack([*rows, *(1.0 / np.broadcast_to(size, phi.shape) for size in sizes)])
 
         ends = _with_period_end(places, self.mechanism.linkage.load_period)
@@ -411,6 +411,6 @@ def _check_moves(sweep: Sweep) -> None:
         sweep.rates(body)
 
 
-def _check(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
-    """Raise UnknownNameError and LinkproofError for numbers that a design cannot have."""
+def _check_parameters(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
+    """Raise UnknownNameError or LinkproofError for numbers that no design can have."""
     checked_parameters(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)

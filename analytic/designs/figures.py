@@ -58,7 +58,7 @@ class SignalExtreme(NamedTuple):
     way: int
 
     def side(self, values: Array) -> Array:
-        """Which side of zero counts, 1 or -1, at each value: the sign with which the height has the value."""
+        """The sign, 1 or -1, of each value: that of the extreme, or of a magnitude that of the value."""
         if self.way:
             return np.full(values.shape, float(self.way))
         return np.where(values < 0.0, -1.0, 1.0)
@@ -73,7 +73,7 @@ class SignalExtreme(NamedTuple):
         return np.asarray(can_be & (np.asarray(value) > SQUARE - NEAR))
 
     def value(self, height: Array, side: Array) -> Array:
-        """The signal's value from a height and its side."""
+        """The signal's value from a height and its ``side``, 1 or -1: their product."""
         return side * height
 
 
@@ -114,7 +114,7 @@ class Figure:
         return np.sqrt(mean) if self.reduction is Reduction.RMS else mean
 
     def of(self, ends: Sequence[Array]) -> Array:
-        """The figure of each design from the values of its ``extremes``, arrays (designs,)."""
+        """The figure of each design, (designs,), from its extremes' values: one, or highest less lowest."""
         value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return np.abs(value) if self.is_magnitude else value
 
@@ -155,19 +155,19 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
     signal, ending = ("S", ".range") if name == STROKE else part_figure(name)
     if ending.startswith("@"):
         where = ending[1:]
-        members = _members(mechanism, known, signal, name)
+        members = _signals_of_family(mechanism, known, signal, name)
         angle, time = _instant(mechanism.linkage, name, where, in_time=in_time)
         return {f"{member}@{where}": Figure(known[member], Reduction.AT, angle, time) for member in members}
     word = ending[1:]
     if not word:
         raise _unknown(name, listed)
     how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(TRANSMISSION_ANGLE) else Reduction(word)
-    members = _members(mechanism, known, signal, name)
+    members = _signals_of_family(mechanism, known, signal, name)
     return {STROKE if name == STROKE else f"{member}.{word}": Figure(known[member], how) for member in members}
 
 
 def part_figure(name: str) -> tuple[str, str]:
-    """The signal of a figure's name and the rest, as ``.peak`` or ``@30``; "" where it has no such end.
+    """A figure's name divided into its signal and its end, such as ``.peak`` or ``@30``; "" without an end.
 
     Names of links and points may have any of these signs.
     """
@@ -180,24 +180,24 @@ def part_figure(name: str) -> tuple[str, str]:
 
 def figure_names(mechanism: Mechanism) -> list[str]:
     """Every figure by name, the peaks first; those at an angle have names without end."""
-    return _examples(_signals(mechanism))
+    return _known_figures(_signals(mechanism))
 
 
 def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -> dict[str, str]:
-    """Signals by name: a vector's own name stands for its magnitude."""
+    """Names of signals by the name a user types, where a vector's own name means its magnitude."""
     names = [name for name in names_with_magnitudes(mechanism) if name not in without]
     return {name.removesuffix(MAGNITUDE): name for name in names}
 
 
-def _examples(known: Mapping[str, str]) -> list[str]:
-    """Every figure, the peaks first."""
+def _known_figures(known: Mapping[str, str]) -> list[str]:
+    """Names of all figures of these signals, the peaks first."""
     families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
     stroke = [STROKE] if "S" in known else []
     return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]
 
 
-def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
-    """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
+def _signals_of_family(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
+    """Names of the signals that a typed name means: itself, or all forces or groups of a family."""
     ending = MAGNITUDE if signal == "joint_force" else ""
     members = [key for key, words in known.items() if words == f"{key}{ending}" and key.startswith(f"{signal}:")]
     if signal in NEEDS and signal not in known and not members:
@@ -214,7 +214,7 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: 
 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     """The error for an unknown figure, with the nearest names."""
-    examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
+    examples, (word, _, how) = _known_figures(known), name.partition("@")[0].partition(".")
     how, word = word.partition("_")[::2] if word.partition("_")[0] in REDUCTIONS else (how, word)  # peak_torque
     usual = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
     by_case = {example.lower(): example for example in examples}
@@ -229,7 +229,7 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
 
 
 def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
-    """The driver's place behind the @ of a figure's name, rad or m, and the time, s; the one not given is nan."""
+    """The place, rad or m, and the time, s, that the text behind "@" gives; the one not given is nan."""
     read = INSTANT.fullmatch(text)
     measure = read["unit"] if read else None
     if read is None or (linkage.is_linear and measure in ("deg", "rad")) or (measure == "s" and not in_time):

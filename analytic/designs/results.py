@@ -142,7 +142,7 @@ def reduced_figures(
 
 
 def _row_numbers(request: FigureRequest, listed: LinkageTrace, lines: Sequence[int]) -> list[Array]:
-    """Values at the crank angles and at the end of the period, (rows,), of the lines that depend on the crank alone."""
+    """Values (rows,) of the lines that depend on the crank alone, at the crank angles and the period's end."""
     grid, count = request.grid, len(request.crank_angles)
     share = np.where(np.arange(len(grid)) < count, 1.0 / count, 0.0)
     shares = {SHARE: share, HALF_SHARE: 2.0 * share * (np.arange(len(grid)) % 2 == 0)}
@@ -201,12 +201,12 @@ def design_figures(
 
 
 def usual_path(figures: Sequence[Figure], size: int) -> str:
-    """The path by name that "auto" takes for so many designs times crank angles: one for all blocks of a sweep."""
+    """The path, "numpy" or "compiled", that "auto" chooses for ``size`` designs times crank angles."""
     return "compiled" if is_worthwhile("auto", USUAL_LIST + OF_FIGURE * len(figures), size) else "numpy"
 
 
 def _checked_places(angle: ArrayLike, least: int) -> Array:
-    """Crank angles (angles,), rad; raises LinkproofError for less than some, and such as do not ascend."""
+    """Crank angles, rad, as an array; raises LinkproofError unless they are ``least`` or more and ascend."""
     places = np.asarray(angle, dtype=float)
     is_list = places.ndim == 1 and len(places) >= least
     if not (is_list and np.all(np.diff(places) > 0.0) and np.all(np.isfinite(places))):

@@ -76,7 +76,7 @@ class FigureRequest:
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, figure: Figure) -> bool:
-        """Whether a mean may be that of the samples: these divide a turn evenly, and no sample is the signal's zero."""
+        """Whether a mean of samples is exact enough: the angles divide a turn, and S has its true zero."""
         has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
         return self.period is not None and len(self.crank_angles) % 2 == 0 and not has_zero_at_sample
 
@@ -168,7 +168,7 @@ class _Chunk:
         return result
 
     def _highest_output(self) -> Array:
-        """The output's highest coordinate, between the samples too."""
+        """The output's highest coordinate of each design, m, (rows,), between the samples too."""
         return np.asarray(
             _Chunk(replace(self.request, refine=True), self.sampler, self.rows)._figures_of_samples([TOP])[0]
         )
@@ -268,7 +268,7 @@ class _Chunk:
                 self._enter_tops(extremes, sampled, here[some], phi[some])
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
-        """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
+        """Signals of the designs ``here`` at crank angles (designs, angles), and determinants; sets ``faulty``."""
         sources = {name: sampled_source(name) for name in names}
         samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
         if list(sources) != [OUTPUT_COORDINATE]:
@@ -317,7 +317,7 @@ class _Chunk:
 
 
 def _reduce_samples(figure: Figure, values: Array) -> Array:
-    """A signal (designs, angles) brought down to a number for each design."""
+    """Reduce samples (designs, angles) of a signal to the figure of each design, (designs,)."""
     best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
     return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])
 

@@ -348,7 +348,7 @@ def checked_parameters(
             "give every parameter a value per design"
         )
     for name, values in arrays.items():
-        _check(name, kinds[name], values)
+        _check_values(name, kinds[name], values)
     directions = [name for name, (kind, _) in numbers.items() if kind == "direction"]
     for x, y in zip(directions[::2], directions[1::2], strict=True):
         if x in arrays or y in arrays:
@@ -356,8 +356,8 @@ def checked_parameters(
     return arrays
 
 
-def _check(name: str, kind: str, values: Array) -> None:
-    """Finite numbers, no negative masses, and a speed."""
+def _check_values(name: str, kind: str, values: Array) -> None:
+    """Raise LinkproofError for numbers that are not finite, negative masses, and a speed of zero."""
     wrong = ~np.isfinite(values)
     expected = "finite numbers"
     if kind in ("mass", "inertia"):
@@ -372,7 +372,7 @@ def _check(name: str, kind: str, values: Array) -> None:
 
 
 def _check_direction(name: str, x: Array, y: Array) -> None:
-    """A direction needs a length."""
+    """Raise LinkproofError for a direction of length zero."""
     size = np.hypot(x, y)
     if not np.all(size):
         first = int(np.argmin(size != 0.0))

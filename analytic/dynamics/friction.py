@@ -47,12 +47,12 @@ class Contact(NamedTuple):
     loads: tuple[Load, Load]
 
     def against(self, direction: Array) -> list[Load]:
-        """A unit of friction against the motion in a direction of the drive."""
+        """Loads of a unit of friction, against the motion if the driver moves by the sign of ``direction``."""
         return [load.times(np.sign(self.rate) * direction) for load in self.loads]
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
-    """The joints with friction."""
+    """Each joint with friction: its friction per force, relative rate over φ, and unit loads."""
     linkage, friction = sweep.linkage, sweep.linkage.friction
     for pin in linkage.pins:
         if pin.point in friction:
@@ -64,13 +64,13 @@ def contacts(sweep: Sweep) -> Iterator[Contact]:
     for slider in linkage.sliders:
         if slider.link in friction:
             local = linkage.links[slider.link].points[slider.point]
-            along = _along(sweep, slider.guide, slider.link, local)
+            along = _sliding_along(sweep, slider.guide, slider.link, local)
             yield Contact(slider.name, friction[slider.link].coefficient, *along)
     for slot in linkage.slots:
         if slot.name in friction:
             carriers = [GROUND, *linkage.links]
             body = next(b for b in carriers if b != slot.guide.host and slot.point in _points(sweep, b))
-            along = _along(sweep, slot.guide, body, linkage.local(slot.point, body))
+            along = _sliding_along(sweep, slot.guide, body, linkage.local(slot.point, body))
             yield Contact(slot.name, friction[slot.name].coefficient, *along)
 
 
@@ -79,8 +79,8 @@ def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
     return sweep.linkage.ground if body == GROUND else sweep.linkage.links[body].points
 
 
-def _along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
-    """The rate at which a point of a body slides along a guide, over φ, and a unit of what resists."""
+def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
+    """The rate over φ at which a body's point slides along a guide, m/rad, and the unit loads that resist it."""
     direction = frames.arm(sweep.poses(guide.host), guide.along)
     origin = sweep.local_point(guide.host, (0.0, 0.0))
     arm = frames.minus(sweep.local_point(body, local), origin)
@@ -108,7 +108,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     free = np.stack([plain.forces[name] for name in names]).reshape(count, 2, -1)
     slopes = np.stack([[unit.forces[name] for unit in units] for name in names]).reshape(count, count, 2, -1)
     found, is_solved = _equilibrium(sizes, free, slopes)
-    _check(sweep, is_solved.reshape(shape))
+    _check_not_locked(sweep, is_solved.reshape(shape))
     frictions = found.reshape(count, *shape)
     forces = {name: force + sum(x * unit.forces[name] for x, unit in zip(frictions, units, strict=True))
               for name, force in plain.forces.items()}  # fmt: skip
@@ -117,7 +117,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 
 
 def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The frictions (m, n) of forces ``free`` (m, 2, n) + ``slopes`` (m, m, 2, n) x, and where they are found (n,).
+    """Solve for the frictions (m, n) under joint forces ``free`` + ``slopes`` · frictions; and where that succeeded.
 
     Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left,
     at last by letting the coefficients grow.
@@ -171,8 +171,8 @@ def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]
     return frictions, is_branch
 
 
-def _check(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
-    """Raise LinkproofError where friction locks the linkage, or note it in the sweep's faults."""
+def _check_not_locked(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
+    """Raise LinkproofError where friction locks the linkage, or set it in the sweep's faults."""
     if sweep.faults is not None:
         sweep.faults |= ~is_solved
     elif not np.all(is_solved):

@@ -209,13 +209,13 @@ def energy_imbalance(motion: FreeMotion) -> float:
     gained = kinetic + potential - (kinetic[0] + potential[0])
     scheme = gauss_scheme(NODES)
     time = starts[:-1, None] + np.diff(starts)[:, None] * scheme.nodes
-    work = np.append(0.0, np.cumsum(np.diff(starts) * (_power(motion, time) @ scheme.end_once)))
+    work = np.append(0.0, np.cumsum(np.diff(starts) * (_power_of_loads(motion, time) @ scheme.end_once)))
     at_play = np.max(kinetic) + np.ptp(potential) + np.max(np.abs(work))
     return float(np.max(np.abs(gained - work)) / at_play) if at_play > 0.0 else 0.0
 
 
-def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Power of the torque, the forces and the damping, which the potential energy does not include, W."""
+def _power_of_loads(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Power, W, at instants (n,), s, of torque, forces and damping, which have no potential energy."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     sweep = mechanism.sweep(angle)
     force = motion.equation.torque(angle)[0]
@@ -324,7 +324,7 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
     """Search the speed at φ = 0 that a turn brings back, by secants of the turn's map; None if the crank stalls."""
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
-        turn = None if _stalls(equation, speed) else _turn(equation, speed)
+        turn = None if _stalls(equation, speed) else _one_turn(equation, speed)
         if turn is None:
             return None
         motion, end = turn
@@ -339,8 +339,8 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
     return None
 
 
-def _turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
-    """A motion of one turn from φ = 0 and the time it takes, s; None if the crank does not get round."""
+def _one_turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
+    """One turn from φ = 0 at a speed, rad/s, and its time, s; None if the crank does not get round."""
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):
         motion = follow(equation, 0.0, speed, duration, TOLERANCE)

@@ -33,7 +33,7 @@ def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
 
 
 def _still_output(mechanism: Mechanism) -> LinkproofError:
-    """The error for an output that does not move along its direction."""
+    """The LinkproofError for an output that does not move along its direction."""
     output = mechanism.linkage.output
     assert output is not None
     return LinkproofError(

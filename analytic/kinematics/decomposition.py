@@ -93,7 +93,7 @@ class Matching:
             known |= {end for number in near for end in left.pop(number)}
 
     def _enter(self, number: int) -> None:
-        """Give an equation an unknown, others making room for it where they can; else what it is between is locked."""
+        """Match an equation with an unknown, moving others where that helps; else lock the bodies it is between."""
         reached = dict.fromkeys(self.equations[number], number)  # each with the equation through which it is
         queue = deque(reached)
         while queue:
@@ -108,7 +108,7 @@ class Matching:
         self.locked |= {*self.equations[number]}
 
     def _shift(self, name: str, reached: Mapping[str, int]) -> None:
-        """Give a body or pin the equation through which it is reached, and so on back to the one that is entered."""
+        """Move equations along the path that reached a body or pin, so that the new one is matched there."""
         before: str | None = name
         while before is not None:
             name, equation = before, reached[before]
@@ -125,7 +125,7 @@ class Matching:
         return loose
 
     def needs(self, names: Iterable[str]) -> set[str]:
-        """What the equations that determine some bodies and pins are between."""
+        """Names of the bodies and pins on which the equations that determine these ones depend."""
         return {end for name in names for number in self.held[name] for end in self.equations[number]}
 
     def components(self) -> list[frozenset[str]]:

@@ -52,7 +52,7 @@ class DyadSolver:
         return known[first], known[second]
 
     def _through_change_points(self, order: int, pair: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Values of the formulas; near change points those of the series through them."""
+        """``pair`` as the formulas give it, replaced near change points by the series through them."""
         changes = self.group.changes
         return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
 
@@ -117,8 +117,8 @@ def check_assembly(
         raise LinkproofError("crank angle: expected finite numbers, got nan or infinity; correct them")
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
-        fault, detail = solver.fault(lambda value: _at(value, angle, worst), linkage)
-        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.phi.text(_at(angle, angle, worst))}: {detail}")
+        fault, detail = solver.fault(lambda value: _value_at(value, angle, worst), linkage)
+        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.phi.text(_value_at(angle, angle, worst))}: {detail}")
 
 
 def check_motion(
@@ -134,7 +134,7 @@ def check_motion(
         faults |= ~solver.moves
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad, where = solver.group, linkage.phi.text(_at(angle, angle, first))
+    dyad, where = solver.group, linkage.phi.text(_value_at(angle, angle, first))
     stand = "stand" if len(dyad.links) > 1 else "and its cylinder stand"
     raise AssemblyError(
         f"'{linkage.name}': {dyad.words} {stand} in a dead position at {where}, "
@@ -143,6 +143,6 @@ def check_motion(
     )
 
 
-def _at(value: Scalar, angle: Array, index: int) -> float:
+def _value_at(value: Scalar, angle: Array, index: int) -> float:
     """The value at one of the crank angles."""
     return float(np.broadcast_to(value, angle.shape).ravel()[index])

@@ -161,7 +161,7 @@ class Strut(Rod):
         self.near, self.length = cylinder.near_local, length
 
     def pose(self, vector: Pair) -> None:  # type: ignore[override]
-        """It has none; its direction u counts."""
+        """None: a cylinder has no pose of its own; keeps its direction u from ``vector``."""
         self.u = (vector[0] / self.length, vector[1] / self.length)
 
     def column(self, link: Pose) -> Pair:
@@ -184,7 +184,7 @@ def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
     return (x + c * local[0] - s * local[1], y + s * local[0] + c * local[1])
 
 
-def _size(a: Pair, b: Pair) -> Scalar:
+def _magnitude_sum(a: Pair, b: Pair) -> Scalar:
     """Sum of the magnitudes of all components of two vectors: the scale of rounding in their difference."""
     return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])
 
@@ -284,7 +284,7 @@ class _PinDyad(_DyadForm):
     def _bases_size(self) -> Scalar:
         """Sum of the magnitudes of both bases' coordinates, m: the scale of rounding in their difference."""
         first, second = self.sides
-        return _size(first.base, second.base)
+        return _magnitude_sum(first.base, second.base)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
         """The unknown rates of both sides, or their slopes."""
@@ -300,12 +300,12 @@ class RRR(_PinDyad):
     """
 
     def make_sides(self) -> tuple[Any, Any]:
-        """AC and BC."""
+        """Both arms, from A to C and from B to C."""
         first, inner, second = self.joints
         return _rod(first, inner.far_local), _rod(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """The radicand is a product (Heron), no difference of squares, to stay accurate near dead positions."""
+        """Poses of both links; the radicand is a product (Heron), so that it is accurate near dead positions."""
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
         d = frames.minus(second.base, first.base)
@@ -336,7 +336,7 @@ class RRR(_PinDyad):
         return np.minimum(first + second - gap, gap - abs(first - second)), self._bases_size() + first + second
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """The arms' sum, or their difference, becomes the gap."""
+        """Take the gap, m, as the arms' sum or difference, so that the links just meet."""
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
         if abs(total - gap) < abs(gap - abs(difference)):
@@ -348,7 +348,7 @@ class RRR(_PinDyad):
         first.length, second.length = 0.5 * (total + difference), 0.5 * (total - difference)
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The arms are too short for the gap, or one is too long."""
+        """Whether the arms are too short for the gap or one is too long, as a fault and a sentence."""
         dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
         gap = at(self.gap())
         links = f"'{dyad.first}' ({written(first)}) and '{other}' ({written(second)})"
@@ -377,7 +377,7 @@ class RRP(_PinDyad):
         return _rod(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """The arm's component across the line is A's distance from it."""
+        """Poses of both links, from A's distance to the line as the arm's component across it."""
         rod, rail = self.sides
         offset = self.offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))
         self.determinant = self.sign * frames.root((rod.length - offset) * (rod.length + offset))
@@ -399,11 +399,11 @@ class RRP(_PinDyad):
         return length - abs(self.offset), self._bases_size() + length
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """The arm just reaches the line."""
+        """Take the distance from A to the line as the arm's length, so that the arm just reaches it."""
         self.sides[0].length -= margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The arm does not reach the line."""
+        """That the arm does not reach the line, as a fault and a sentence."""
         dyad, distance, length = self.dyad, at(abs(self.offset)), self.sides[0].length
         return UNASSEMBLED, (
             f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
@@ -421,7 +421,7 @@ class PRP(_PinDyad):
         return Rail(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """The first travel follows from the vector product with the second line."""
+        """Poses of both links; the first travel follows from the vector product with the second line."""
         first, second = self.sides
         self.determinant = frames.cross(first.e, second.e)
         travel = second.moment(frames.minus(second.base, first.base)) * frames.inverse(self.determinant)
@@ -487,7 +487,7 @@ class RPR(_SlideDyad):
         return (Rod(second, inner.along, 1.0),)
 
     def align(self) -> Pose:
-        """Where A passes through B the direction is left undefined (nan)."""
+        """The pose of the slide's direction; nan where A passes through B, which leaves it open."""
         d = self.side.r = frames.minus(self.pin, self.side.base)
         square = frames.dot(d, d)
         self.determinant = self.sign * frames.root(square - self.offset * self.offset)
@@ -506,7 +506,7 @@ class RPR(_SlideDyad):
 
     def least_determinant(self) -> Scalar:
         """The determinant up to which A counts as at the foot of the perpendicular from B to the line."""
-        return LEAST_SINE * (_size(self.pin, self.side.base) + abs(self.offset))
+        return LEAST_SINE * (_magnitude_sum(self.pin, self.side.base) + abs(self.offset))
 
     def dead_position(self) -> str:
         """The slide is square to the line through the outer pins."""
@@ -518,7 +518,7 @@ class RPR(_SlideDyad):
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
         """Distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
-        offset, pins = abs(self.offset), _size(self.pin, self.side.base)
+        offset, pins = abs(self.offset), _magnitude_sum(self.pin, self.side.base)
         return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
@@ -526,7 +526,7 @@ class RPR(_SlideDyad):
         self.offset += np.sign(self.offset) * margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The offset is too large, or A is on B."""
+        """Whether the offset is too large or A lies on B, as a fault and a sentence."""
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:
             return UNDETERMINED, (
@@ -549,7 +549,7 @@ class RPP(_SlideDyad):
         return (Rail(second, point_on_rail(inner, first.far_local)),)
 
     def align(self) -> Pose:
-        """Both directions are the host's; the travel x follows from the vector product with f."""
+        """The pose of the slide: it keeps its host's direction, and x follows from the vector product with f."""
         rail = self.side
         self.f = frames.rotated(*frames.turned(rail.host, rail.turn), self.joints[1].along)
         self.determinant = frames.cross(self.f, rail.e)
@@ -568,7 +568,7 @@ class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The cylinder is too short or too long for the link."""
+        """Whether the cylinder is too short or too long, as a fault and a sentence."""
         length, link = at(self.coordinate), self.dyad.first
         return UNASSEMBLED, f"the cylinder of {written(length)} does not reach '{link}'; stay within its range"
 

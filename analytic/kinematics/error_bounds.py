@@ -77,7 +77,7 @@ class ErrorBounds:
             known = {body: (*bounded[body], *(map(Rounded, part) for part in plain[body][order:])) for body in bounded}
             known = {body: tuple(tuple(part) for part in motion) for body, motion in known.items()}
             rows = residuals(group.joints, {**hosts, **known}, order, self.sweep.angle)
-            residual = np.stack([np.broadcast_to(_size(row), self.sweep.angle.shape) for row in rows], axis=-1)
+            residual = np.stack([np.broadcast_to(_residual_size(row), self.sweep.angle.shape) for row in rows], axis=-1)
             if order and isinstance(group, Group):
                 motions = np.stack([part for body in group.links for part in plain[body][order]], axis=-1)
                 residual = residual + self._elimination_error(matrix, motions, distances > 0.0)
@@ -114,7 +114,7 @@ class ErrorBounds:
         return np.asarray(np.max(reaches, axis=0))
 
 
-def _size(row: Any) -> Any:  # noqa: ANN401 - a residual that carries the bound of its error
+def _residual_size(row: Any) -> Any:  # noqa: ANN401 - a residual that carries the bound of its error
     """The largest size that an equation's residual can have: as it is computed, and the rounding of computing it."""
     return np.abs(row.value) + row.bound
 

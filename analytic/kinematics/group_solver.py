@@ -99,23 +99,23 @@ def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBra
     if first is None:
         raise AssemblyError(f"{problem.links}: the start is in a dead position")
     if not problem.is_linear:
-        nodes, whole = _follow(problem, first, coordinate + FULL_TURN)
-        turns = _turns(nodes, problem.unit) if whole else None
+        nodes, whole = _nodes_towards(problem, first, coordinate + FULL_TURN)
+        turns = _gains_over_turn(nodes, problem.unit) if whole else None
         if not whole or turns is None:
-            below, down = _follow(problem, first, coordinate - FULL_TURN)
+            below, down = _nodes_towards(problem, first, coordinate - FULL_TURN)
             nodes = [*below[:0:-1], *nodes]
         else:
             down = False
         branch = _branch(problem, nodes, turns, strays=whole and down and turns is None)
     else:
-        above, _ = _follow(problem, first, coordinate + SPAN * problem.unit)
-        below, _ = _follow(problem, first, coordinate - SPAN * problem.unit)
+        above, _ = _nodes_towards(problem, first, coordinate + SPAN * problem.unit)
+        below, _ = _nodes_towards(problem, first, coordinate - SPAN * problem.unit)
         branch = _branch(problem, [*below[:0:-1], *above], None)
     return _refine(problem, branch, first.side)
 
 
 def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
-    """The branch through these nodes; ``turns`` as from ``_turns``, ``strays`` if it leaves the configuration."""
+    """The branch through these nodes; ``turns`` as from ``_gains_over_turn``, ``strays`` if it leaves its course."""
     places = np.array([node.coordinate for node in nodes])
     return GroupBranch(places, np.stack([n.state for n in nodes]), problem.unit, turns, problem.is_linear, strays)
 
@@ -136,8 +136,8 @@ def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) ->
     return BranchNode(coordinate, state, side) if np.all(np.isfinite(state)) and side else None
 
 
-def _follow(problem: Problem, start: BranchNode, end: float) -> tuple[list[BranchNode], bool]:
-    """Nodes from ``start`` towards φ = ``end``, and whether they get there."""
+def _nodes_towards(problem: Problem, start: BranchNode, end: float) -> tuple[list[BranchNode], bool]:
+    """Nodes of the branch from ``start`` towards φ = ``end``, and whether they reach it."""
     nodes = [start]
     direction, largest = (1.0 if end >= start.coordinate else -1.0), LARGEST_STEP * problem.radian
     step = largest / 4.0
@@ -167,8 +167,8 @@ def _predict(nodes: list[BranchNode], coordinate: float) -> Array:
     return np.asarray(here.state[0] + step * (here.state[1] + step / 2.0 * (here.state[2] + step / 3.0 * third)))
 
 
-def _turns(nodes: list[BranchNode], unit: float) -> Array | None:
-    """Each link's angle gained over a turn of the crank, rad; None if its ends do not meet."""
+def _gains_over_turn(nodes: list[BranchNode], unit: float) -> Array | None:
+    """The angle, rad, that each link gains over a turn of the crank; None if a turn does not close."""
     gained = (nodes[-1].state[0] - nodes[0].state[0]) / np.array([unit, unit, 1.0])
     turns = FULL_TURN * np.round(gained[:, 2] / FULL_TURN)
     gained[:, 2] -= turns

@@ -212,7 +212,7 @@ class Sweep:
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
 
     def turned_from(self, bodies: tuple[str, str], angle: float) -> Array:
-        """Angle of a body against a second one less this angle, rad, within half a turn to either side."""
+        """Angle, rad, of the first body against the second less ``angle``, within half a turn to either side."""
         (_, _, c1, s1), (_, _, c2, s2) = (self.poses(body) for body in bodies)
         c, s = frames.turned((0.0, 0.0, c2, s2), (np.cos(angle), np.sin(angle)))
         turned: Array = np.arctan2(s1 * c - c1 * s, c1 * c + s1 * s)
@@ -236,7 +236,7 @@ class Sweep:
         return np.broadcast_to(along, self.angle.shape)
 
     def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain or traced
-        """Components of a law of a force or a torque, SI; at rest as if φ grew."""
+        """Components, SI, of a force's or torque's law at the sweep's place; a driver at rest counts as advancing."""
         parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
         if law.when is None:
             return parts

@@ -150,10 +150,10 @@ class _Path:
         self._speeds.append(self.speed)
         self._accelerations.append(accelerations)
         self.starts.append(end)
-        angle, self._lost[0] = _sum(
+        angle, self._lost[0] = _compensated_sum(
             self.angle, self._lost[0], length * self.speed + length**2 * float(self.scheme.end_twice @ accelerations)
         )
-        self.speed, self._lost[1] = _sum(
+        self.speed, self._lost[1] = _compensated_sum(
             self.speed, self._lost[1], length * float(self.scheme.end_once @ accelerations)
         )
         self.acceleration = float(accelerations[-1])  # the last node's, a hair before the end
@@ -180,8 +180,8 @@ class _Path:
         return self.time - self.starts[done - STUCK] < STUCK_SHARE * float(before.max(initial=0.0))
 
 
-def _sum(value: float, lost: float, change: float) -> tuple[float, float]:
-    """A sum and the rounding of the addition, which the next addition compensates (Kahan)."""
+def _compensated_sum(value: float, lost: float, change: float) -> tuple[float, float]:
+    """``value`` + ``change``, and its rounding error, which the next addition takes as ``lost`` (Kahan)."""
     change += lost
     total = value + change
     return total, change - (total - value)
@@ -218,8 +218,8 @@ def integrate(
         last = length >= NEARLY_ALL * (borders[0] - path.time)
         end = borders[0] if last else path.time + length
         length = end - path.time
-        accelerations = _solve(pushed, path, length, rounding, unsettled)
-        error = np.inf if accelerations is None else _error(path, accelerations, length, rounding)
+        accelerations = _node_accelerations(pushed, path, length, rounding, unsettled)
+        error = np.inf if accelerations is None else _relative_speed_error(path, accelerations, length, rounding)
         factor = min(max(SAFETY * (tolerance / max(error, TINY)) ** (1.0 / count), LEAST_GROWTH), MOST_GROWTH)
         if accelerations is not None and error <= tolerance:
             path.add(accelerations, end)
@@ -252,8 +252,8 @@ def _first_window(path: _Path, duration: float) -> float:
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 
 
-def _solve(acceleration: Timed, path: _Path, length: float, rounding: float, share: float) -> Array | None:
-    """Accelerations at the nodes, or None where the iteration does not settle.
+def _node_accelerations(acceleration: Timed, path: _Path, length: float, rounding: float, share: float) -> Array | None:
+    """Accelerations, rad/s², at the window's nodes; None where the iteration does not settle.
 
     It has settled where they are off by no more than ``rounding``, rad/s², or a ``share`` of their peak.
     """
@@ -282,8 +282,8 @@ def _solve(acceleration: Timed, path: _Path, length: float, rounding: float, sha
     return None
 
 
-def _error(path: _Path, accelerations: Array, length: float, rounding: float) -> float:
-    """Error of the speed over the speed in a window, from the last terms of the acceleration's series."""
+def _relative_speed_error(path: _Path, accelerations: Array, length: float, rounding: float) -> float:
+    """Relative error of the speed over a window, from the last terms of the acceleration's series."""
     tail = max(float(np.abs(path.scheme.series[-2:] @ accelerations).max()) - rounding, 0.0)
     gained, peak = float(path.scheme.end_once @ accelerations), float(np.abs(accelerations).max())
     scale = max(abs(path.speed), abs(path.speed + length * gained), length * peak)

@@ -65,5 +65,5 @@ class Rounded(NDArrayOperatorsMixin):
 
 
 def bound_of(number: Any) -> Any:  # noqa: ANN401 - a number that carries one, or a plain one, which is exact
-    """The bound on a number's error."""
+    """The bound on a number's error; 0 for a plain number."""
     return number.bound if isinstance(number, Rounded) else 0.0

@@ -111,7 +111,7 @@ def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[f
         if not low <= place <= high:
             return np.nan, np.nan
         piece = bisect_right(edges, place) - 1
-        inertia, bend, at_rest, drag, *levers = _values(pieces[piece], place - edges[piece])
+        inertia, bend, at_rest, drag, *levers = _polynomial_values(pieces[piece], place - edges[piece])
         torque = drive.torque + (0.0 if drive.over_time is None else float(drive.over_time(time)))
         loads = [float(part) for law in laws for part in law(levers[-1] if law.over == "S" else angle * scale)]
         moment = torque * scale + at_rest - drag * speed - bend * speed * speed
@@ -120,8 +120,8 @@ def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[f
     return rate
 
 
-def _values(polynomials: Sequence[Sequence[float]], x: float) -> list[float]:
-    """Values of polynomials, highest power first: of single numbers, for which SciPy takes ten times as long."""
+def _polynomial_values(polynomials: Sequence[Sequence[float]], x: float) -> list[float]:
+    """Values of polynomials, highest power first, at one number ``x``; SciPy takes ten times as long."""
     values = []
     for coefficients in polynomials:
         value = 0.0

@@ -102,7 +102,7 @@ class Crank(NamedTuple):
     torque: Reals | None = None
 
     def part(self, instants: slice) -> Crank:
-        """Some of the instants."""
+        """The motion at some of the instants."""
         return Crank(*(values if values is None else values[instants] for values in self))  # type: ignore[arg-type]
 
 
@@ -306,7 +306,7 @@ def _crossings(equations: Equations, pose: Pose) -> NDArray[np.bool_]:
 
 
 def _pose(equations: Equations, gain: Reals, coordinate: Reals) -> Pose:
-    """The poses of coordinates (n, k) from the start state on, the crank at φ."""
+    """The poses for gains (n, k) of the free coordinates since the start, the driver exactly at φ (n,)."""
     coordinates = equations.start_coordinates + equations.spread(gain)
     if equations.driver.turns:
         coordinates[..., equations.driver.crank, 2] = coordinate

@@ -71,7 +71,7 @@ class ExudynModel:
         self._add_drive()
 
     def as_data(self) -> dict[str, Any]:
-        """The system in plain data, its sensors among the items."""
+        """The system as plain data: items, sensors, poses and the numbers by which the loop finds them."""
         scene = self.scene
         segments = scene.drive.motion.segments if isinstance(scene.drive, Prescribed) else ()
         states = [values[0, :-1].ravel() for values in start_motion(scene)]

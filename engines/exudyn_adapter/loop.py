@@ -141,7 +141,7 @@ class ExudynWorld:
         return {name: load}
 
     def angle(self, mbs: Any, t: float) -> float:  # noqa: ANN401
-        """φ; a prescribed crank's is a matter of the time alone."""
+        """φ at exudyn's time ``t``, s: of the drive's motion if it is prescribed, else of the crank's coordinate."""
         if self.given["motion"]:
             return self.phi(self.begin + t)
         if self.linear:
@@ -213,7 +213,7 @@ def build(given: Data) -> ExudynWorld:
 
 
 def set_initial(world: ExudynWorld, *state: Array) -> None:
-    """Set coordinates and, where given, their time derivatives as the start of the next solve."""
+    """Set coordinates and, where given, their first and second time derivatives as the start of the next solve."""
     data, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
     setters = (data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt)
     for setter, values in zip(setters, state, strict=False):
@@ -221,7 +221,7 @@ def set_initial(world: ExudynWorld, *state: Array) -> None:
 
 
 def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> tuple[Array, ...] | None:
-    """Coordinates and two time derivatives at the start of a part; None if the solver has none near those reached."""
+    """Coordinates and two time derivatives at the start of a part that fit the joints; None if far from ``reached``."""
     zero, coefficients = part["segment"]
     angle, speed, second = (float(polynomial(coefficients, part["start"] - zero, order)) for order in range(3))
     try:
@@ -260,7 +260,7 @@ def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
 
 
 def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None:
-    """Set the drive's functions and the state a part starts from: the scene's, or one near what has been reached."""
+    """Set the drive and the start state of a part: the scene's in the ``first``, else one near the state reached."""
     state, data = tuple(map(np.array, world.given["states"])), world.mbs.systemData
     if not first:
         ended = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())

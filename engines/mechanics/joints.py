@@ -97,7 +97,7 @@ class JointEquations:
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
-        """``free`` lists the coordinates as places in the flat (bodies, 3); ``column`` is its inverse, -1 if fixed."""
+        """Set ``free``, places in the flat (bodies, 3), its inverse ``column``, ``size`` and the ``mass``."""
         can_turn = [body.inertia is not None for body in self.scene.bodies]
         free = np.array([(True, True, turns) for turns in can_turn] + [(False, False, False)])
         self.free = np.flatnonzero(free)
@@ -107,7 +107,7 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        """Number the equations: rows of pins in x and y, of lines, of fixed angles, and the row of the driver."""
+        """Set the row numbers of pins, lines, fixed angles and driver, and the driver's body and column."""
         turning = [pair for pair in self.geared if any(map(self._can_turn, pair))]
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])
@@ -304,7 +304,7 @@ def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: 
 
 
 def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multipliers: Reals) -> Reals:
-    """What friction is on the bodies, N and N m, (n, bodies, 3), for forces of the joints λ, N; lengths in units."""
+    """Friction's loads on the bodies, N and N m, (n, bodies, 3), for multipliers λ, N; lengths are in units."""
     result = np.zeros_like(rate)
     forces = equations.joint_forces(arms, multipliers)
     sizes = np.hypot(forces[..., 0], forces[..., 1])
@@ -326,7 +326,7 @@ def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multiplie
 
 
 def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
-    """S, m, and its rate, (n,) each, by which loads go."""
+    """S, the output's travel, m, on which loads may depend, and its rate, m/s, (n,) each."""
     assert scene.travel is not None
     body, along = body_numbers(scene)[scene.travel.body], np.asarray(scene.travel.along)
     speed = point_velocity(pose.arm(body, scene.travel.anchor), rate[:, body])
@@ -334,7 +334,7 @@ def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
 
 
 def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Reals) -> Reals:
-    """Components of a load's law, (k, n)."""
+    """Components of a load's law, N or N m, at φ or S, (k, n)."""
     if law.over == "phi" and law.when is None:
         return law(crank_angle)
     travel, speed = output_travel(scene, pose, rate)
@@ -362,7 +362,7 @@ def potential_energy(scene: Scene, pose: Pose) -> Reals:
 
 
 def without_potential(scene: Scene) -> Scene:
-    """The scene without the loads that have a potential energy: what is left does work or takes it."""
+    """The scene without gravity and springs: its loads left do work that no energy stores."""
     springs = tuple(replace(spring, stiffness=0.0) for spring in scene.springs if spring.damping)
     return replace(scene, gravity=(0.0, 0.0), springs=springs, turn_springs=())
 

@@ -104,7 +104,7 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
 
 
 def _load_obstacles(load: object, law: Law, abilities: Abilities) -> Iterator[str]:
-    """Why a force or a torque is beyond an engine's abilities, in sentences."""
+    """Reasons why a force or a torque is beyond an engine's abilities, in sentences."""
     if not law.is_constant and not abilities.varying_loads:
         yield f"it takes no load that changes with the crank angle, as {_label(load)} does"
     if abilities.load_states:

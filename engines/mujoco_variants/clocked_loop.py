@@ -29,24 +29,24 @@ class ClockedWorld(MujocoWorld, ABC):
 
     @abstractmethod
     def begin(self) -> None:
-        """Take over the model with its present step."""
+        """Hand C MuJoCo's model, with the step it has now, to the variant."""
 
     @abstractmethod
     def advance(self, motion: Array) -> None:
-        """Take one step by each row: the clock's angle, rad, speed, rad/s, and torque, N m; read what the last left."""
+        """Take a step for each row, the clock's angle, rad, speed and torque, N m; then fill C MuJoCo's data."""
 
     @abstractmethod
     def compute(self, settled: bool) -> None:
-        """Take over ``SET``; where it is ``settled``, compute the accelerations and forces of that state, and read."""
+        """Copy the state named in ``SET`` from C MuJoCo; if ``settled``, compute its forces and copy them back."""
 
     def fill(self, values: Data, forces: Array) -> None:
-        """Read values by name, and the constraints' forces in C MuJoCo's order."""
+        """Copy values by name, and the constraints' forces in C MuJoCo's order, into C MuJoCo's data."""
         for name in READ[:-1]:
             getattr(self.data, name)[:] = values[name]
         self.data.efc_force[:] = forces
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """Instants of a part, s, and what is read at them."""
+        """Step through a part and yield its samples as ``read`` returns them."""
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)
         step = sample / ratio

@@ -65,7 +65,7 @@ class MjxWorld(ClockedWorld):
             self.fetch()
 
     def fetch(self) -> None:
-        """Fill C MuJoCo's data; here joints' rows come after those of all cuts, so the drive's is the last."""
+        """Copy the variant's state into C MuJoCo's data, constraint rows reordered: the drive's is its last."""
         values = vars(self.state) | vars(self.state._impl)
         self.fill(values, np.roll(values["efc_force"], 1))
 

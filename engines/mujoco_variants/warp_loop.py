@@ -21,7 +21,7 @@ class WarpWorld(ClockedWorld):
         mujoco_warp.step(self.other, self.start())  # compiles
 
     def start(self) -> mujoco_warp.Data:
-        """The state at the start."""
+        """A copy of the start state on Warp's device."""
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:
@@ -49,7 +49,7 @@ class WarpWorld(ClockedWorld):
             self.fetch()
 
     def fetch(self) -> None:
-        """Fill C MuJoCo's data; here joints' rows come after those of cuts, which a GPU has in any order."""
+        """Copy the variant's state into C MuJoCo's data, constraint rows reordered: a GPU keeps no order."""
         efc = self.state.efc
         order = np.argsort(efc.id.numpy()[0, : self.data.nefc], kind="stable")
         self.fill({name: getattr(self.state, name).numpy()[0] for name in READ[:-1]}, efc.force.numpy()[0, order])

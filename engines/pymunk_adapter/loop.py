@@ -39,7 +39,7 @@ BUFFER = batch.Buffer()  # pymunk never frees one
 
 
 def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:
-    """From a body's centre to a point of it, a time ahead at the present velocity."""
+    """The vector, m, from a body's centre to a point of it, ``ahead`` seconds from now at the present velocity."""
     return pymunk.Vec2d(*anchor).rotated(body.angle + ahead * body.angular_velocity)
 
 
@@ -60,7 +60,7 @@ class Rod:
         return math.dist(*(b.position + ahead * b.velocity + arm(b, anchor, ahead) for b, anchor in self.ends))
 
     def push(self, force: float, ahead: float) -> None:
-        """Push its ends apart by a force, N, in the next step."""
+        """Push both ends apart by a force, N, in the next step, in the direction ``ahead`` seconds from now."""
         (first, here), (second, there) = self.ends
         arms = arm(first, here, ahead), arm(second, there, ahead)
         between = first.position - second.position + ahead * (first.velocity - second.velocity) + arms[0] - arms[1]
@@ -124,14 +124,14 @@ class PymunkWorld:
         return float(self.crank.angle + ahead * self.crank.angular_velocity)
 
     def iterations(self) -> int:
-        """Iterations of a step at the present angle."""
+        """Iterations of pymunk's solver in the next step, by the driver's place."""
         travelled = self.travel(0.0) - self.given["start"]
         if not math.isfinite(travelled):
             raise ArithmeticError("the driver's position is not finite")
         return int(self.counts[round(travelled / self.given["apart"]) % len(self.counts)])
 
     def load(self, number: int, anchor: Point, law: Any) -> Load:  # noqa: ANN401
-        """A force at an anchor, or a torque, which has one component; over φ, or constant."""
+        """A function that adds a force at an anchor, or a torque, over φ or constant, before each step."""
         body = self.ends[number]
 
         def add(ahead: float) -> None:
@@ -150,13 +150,13 @@ class PymunkWorld:
         return self.line is not None or self.given["push"][1] is not None
 
     def steady_torque(self, body: pymunk.Body, torque: float) -> pymunk.SimpleMotor:
-        """A constant torque on a body: a motor that may exert no more and never reaches its speed."""
+        """Create a constant torque, N m, on a body: a motor with this limit that never reaches its speed."""
         motor = pymunk.SimpleMotor(self.space.static_body, body, -math.copysign(OUT_OF_REACH, torque))
         motor.max_force = abs(torque)
         return motor
 
     def driver_load(self, times: Array) -> Load:
-        """The load on a free driver, or against its drive, over the times at which it is set."""
+        """A function that adds the load on a free driver before each step, at these times, s."""
         torque, over_time = self.given["push"]
         crank, line = self.crank, self.line
         values = np.full(len(times), torque + self.given["offset"])
@@ -174,7 +174,7 @@ class PymunkWorld:
         return add
 
     def damper(self, first: pymunk.Body, second: pymunk.Body, coefficient: float) -> Load:
-        """A torque against the bodies' turning against each other."""
+        """A function that adds a torque, N m, against the bodies' relative rotation before each step."""
         last = None
         # An assignment to a body's attribute takes twice as long as its property's own setter.
         turning, torque_of = pymunk.Body.angular_velocity.fget, pymunk.Body.torque.fget
@@ -328,7 +328,7 @@ def take_steps(
 
 
 def body_states(space: pymunk.Space) -> bytes:
-    """Places, angles and velocities of all bodies, as bytes."""
+    """Places, m, angles, rad, and velocities of all bodies, as bytes of doubles."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())

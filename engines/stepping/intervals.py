@@ -55,12 +55,12 @@ class Cost:
             setattr(self, name, getattr(self, name) + perf_counter() - begun)
 
     def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
-        """The run with this outcome and cost."""
+        """A Run with this outcome, reason and history, and with this cost."""
         return Run(outcome, reason, history, **vars(self))
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
-    """The run whose history a call makes, with its cost however it ends; a history of numbers alone is a motion."""
+    """Call ``history`` and wrap its result: FINISHED if all numbers are finite, else DIVERGED or UNSUPPORTED."""
     try:
         result = history()
         for name, signal in named_signals(result):
@@ -133,7 +133,7 @@ def whole_interval(duration: float, step: float, least: int) -> Interval:
 
 
 def released_intervals(duration: float, kinks: Sequence[float], step: float) -> list[Interval]:
-    """A released crank's run in steps of at most ``step``, s, cut at the kinks, s, of what moves it."""
+    """A released crank's run, s, cut at ``kinks``, s, of its torque; steps are at most ``step``, s."""
     borders = [0.0, *(kink for kink in kinks if 0.0 < kink < duration), duration]
     return [Interval(start, end, whole_steps(end - start, step, 1)) for start, end in pairwise(borders)]
 

@@ -31,7 +31,7 @@ class OwnUnits:
     mass: float
 
     def unit(self, kind: Kind, driver: DriverKind = DriverKind.CRANK) -> float:
-        """The unit, in SI, of a kind of number where this drives."""
+        """Size, SI, of these units for a kind of number, of which a linear driver changes some."""
         return kind.of_driver(is_linear=driver is not DriverKind.CRANK).size(self.length, self.mass)
 
 

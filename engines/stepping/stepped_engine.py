@@ -154,7 +154,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return None
 
     def obstacle(self, scene: Scene) -> str | None:
-        """Why a scene is not built, in one sentence."""
+        """The reason, in one sentence, why a scene is not built; None if it is built."""
         return (
             ability_obstacle(scene, self.abilities)
             or data_obstacle(scene, massless=self.abilities.massless)
@@ -182,7 +182,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, recipes[setting], {})
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """Those of ``studied``, for any drive."""
+        """The methods in ``studied``; the drive makes no difference."""
         return tuple(
             Method(name, about, len(recipe.ratios), recipe.effort, self.effort_unit)
             for name, (about, recipe) in self.studied.items()
@@ -234,7 +234,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
-        """The scene that worlds are built from, its units if these are its own, and the requested passes."""
+        """The scene in the units it is stepped in, these units if they are its own, and the passes to take."""
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
         scene = self.altered(scene)
@@ -305,7 +305,7 @@ class LoopEngine(SteppedEngine[Any, R]):
 
 
 def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
-    """The error by which a run ends, for a reason that a loop raises; any other error stays what it is."""
+    """An ArithmeticError of a loop as ``kind``, the error that ends the run; another error is returned unchanged."""
     return kind(str(error)) if type(error) is ArithmeticError else error  # a division by zero is an error of the loop
 
 
@@ -316,7 +316,7 @@ def _read_signal(pair: tuple[Any, Any]) -> Signal:
 
 
 def plain_course(course: Course[Any]) -> dict[str, Any]:
-    """A course as a loop takes it."""
+    """A course as the dictionary that loops take."""
     parts = [
         {
             "start": part.start,
@@ -338,7 +338,7 @@ def plain_law(law: Law) -> PlainLaw:
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401 - one line for each type
-    """Data whose ``repr`` is Python source for the same; raises TypeError for what is none."""
+    """A copy as Python literals, whose ``repr`` is its source; raises TypeError for data that has none."""
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
     if isinstance(value, Mapping):
