@@ -370,7 +370,10 @@ duration = 0.02
 """
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name == "mujoco" else pytest.mark.nightly) for name in ("direct", *OTHERS)],
+)
 def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
     path = tmp_path / "rocker.toml"
     path.write_text(double_rocker_text(regimes=RELEASED))
