@@ -173,7 +173,7 @@ def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
 
 
 def _required_feed(curves: Curves) -> dict[str, Array]:
-    """The feed that the file requires of its thread beside the actual one; {} without."""
+    """φ, rad, the feed, m, that the file requires there, and the actual one, by name; {} if it requires none."""
     path = curves.linkage.thread
     if path is None or not path.required or THREAD_FEED not in curves.names:
         return {}
@@ -181,12 +181,12 @@ def _required_feed(curves: Curves) -> dict[str, Array]:
 
 
 def _signals_besides_bodies(curves: Curves) -> list[str]:
-    """Signals without those of points and links, which follow from the positions."""
+    """Names of all signals except those of points and links, which follow from the positions."""
     return [name for name in curves.names if not name.startswith(("point:", "link:"))]
 
 
 def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
-    """Signs, zeros and gravity; what the file does not give and so has no row."""
+    """Sentences on signs, zeros and gravity, and on what the file lacks so that no row can show it."""
     linkage, mechanism = curves.linkage, curves.case.mechanism
     if "Mkr" in curves.names:
         turning = "along the drive" if linkage.is_linear else "counter-clockwise"
@@ -288,7 +288,7 @@ def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
 
 
 def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
-    """Shares of Jeq, kg m²: by group ("groups") and by link ("links") at φ (n,); {} where nothing has mass."""
+    """Shares of Jeq at φ (n,), kg m², in two mappings, "groups" and "links"; {} where nothing has mass."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
     if linkage.is_massless:
         return {}
@@ -314,7 +314,7 @@ def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
 
 
 def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallback: T) -> T:
-    """A part of a sheet, or ``fallback`` where it cannot be derived: the reason is then noted in ``missing``."""
+    """The part of a sheet that ``make`` returns; if it raises, ``fallback``, with the reason in ``missing``."""
     try:
         return make()
     except LinkproofError as error:

@@ -89,7 +89,7 @@ class Instants:
         return np.unique(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
 
     def _edges(self, jumps: list[float]) -> list[float]:
-        """The ends of the pieces of the motion, s."""
+        """The instants, s, ascending, between which the motion has its pieces, both ends included."""
         segments = self.motion.segments if isinstance(self.motion, CrankMotion) else ()
         return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
 
@@ -122,7 +122,7 @@ class Instants:
         return np.array([self._first_passing(float(angle), unit, size) for angle in angles])
 
     def _first_passing(self, angle: float, unit: str, size: float) -> float:
-        """The first instant at which the crank is at an angle, whole turns aside."""
+        """The first instant, s, at the angle, whole turns aside; raises LinkproofError if it is never passed."""
         time, target = self.grid, angle * size
         away = self._periods_from(time, target)
         hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
@@ -149,11 +149,11 @@ class Instants:
 
     @cached_property
     def _period(self) -> float:
-        """A turn; of a travel, which has none, more than it can be away from any place on its way."""
+        """A turn, rad; for a travel, which has no period, a length, m, longer than its way."""
         return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
 
     def _periods_from(self, time: Array, target: float) -> Array:
-        """How far the crank is from an angle, in periods."""
+        """Distance of the crank from ``target``, rad or m, at instants (n,), s, in periods; signed."""
         return np.asarray((self.motion.angle(time) - target) / self._period)
 
 
@@ -285,7 +285,7 @@ class Curves:
         return self.truth_at(self.grid)
 
     def truth_at(self, time: Array) -> Truth:
-        """The closed form of the case at instants (n,), s."""
+        """The closed form of the case at instants (n,), s, with all signals to compute on request."""
         return Truth(self.case.mechanism, self.case.motion, time)
 
     def values(self, names: Iterable[str], time: float) -> tuple[float, ...]:
@@ -306,7 +306,7 @@ class Curves:
 
     @cached_property
     def _known(self) -> dict[str, Array]:
-        """The signals on the grid so far, by name."""
+        """The cache of signals on the grid, by name."""
         return {}
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
@@ -334,7 +334,7 @@ class Curves:
         return {n: self.figure("peak", n, value, places[n]) for n, value in zip(places, values, strict=True)}
 
     def _severity(self, name: str) -> Measure:
-        """The measure that is highest at a signal's peak."""
+        """The measure that is highest at a signal's peak: its magnitude, or the negative transmission angle."""
         if name.startswith(TRANSMISSION):
             return lambda at: -self.signal_values(at, name)
         return lambda at: np.abs(self.signal_values(at, name))

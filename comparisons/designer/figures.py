@@ -224,7 +224,7 @@ def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
 
 
 def required_feed(mechanism: Mechanism, path: ThreadPath) -> tuple[Array, Array, Array]:
-    """φ, rad, the feed required there and the actual one, m; all (n,), in the file's order."""
+    """The required feed, as φ, rad, the feed there and the actual one, m, each (n,), in the file's order."""
     phi, required = np.array(path.required).T
     return phi, required, feed(mechanism, path, phi)
 
@@ -269,7 +269,7 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 
 def _time_ratio(mechanism: Mechanism) -> float:
-    """Crank angle of the output's slower stroke over that of its faster one."""
+    """Crank angle of the output's slower stroke divided by that of its faster one, 1 or more."""
     stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
     strokes = sorted((stroke, FULL_TURN - stroke))
     return strokes[1] / strokes[0]
@@ -411,7 +411,7 @@ def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
 
 
 def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
-    """A printed figure beside ours."""
+    """The record of a printed figure with our value beside it."""
     linkage, ours = mechanism.linkage, _evaluate(mechanism, entry)
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
     unit = figure_unit(entry.quantity, linkage)
@@ -439,7 +439,7 @@ def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
 
 
 def _is_place(entry: Published, mechanism: Mechanism) -> bool:
-    """Whether a printed figure is an angle at an instant or a place, which a whole turn does not change."""
+    """Whether a printed figure is an angle at an instant or a place, so that whole turns do not count."""
     is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
     return is_angle and (entry.quantity in MECHANISM_FIGURES or part_figure(entry.quantity)[1].startswith("@"))
 

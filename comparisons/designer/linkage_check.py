@@ -70,7 +70,7 @@ def check_slips(linkage: Linkage) -> None:
 
 
 def _similar_names(linkage: Linkage) -> Iterator[str]:
-    """Points whose names differ by capitals only, which are not pinned together."""
+    """Sentences about points whose names differ only in capitals, and which are thus not pinned together."""
     spellings: dict[str, set[str]] = defaultdict(set)
     for name in itertools.chain(linkage.ground, *(link.points for link in linkage.links.values())):
         spellings[name.casefold()].add(name)
@@ -80,7 +80,7 @@ def _similar_names(linkage: Linkage) -> Iterator[str]:
 
 
 def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
-    """Mass centre, mass and inertia beside the link's size."""
+    """Sentences about a mass centre, mass or inertia that does not suit the link's size."""
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
     if not link.mass and any(link.centre) and any(body.mass for body in linkage.links.values()):
         yield f"'{link.name}' has a mass centre and no mass: it weighs nothing; add links.{link.name}.mass"
@@ -107,7 +107,7 @@ def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
 
 
 def _load_slips(linkage: Linkage) -> Iterator[str]:
-    """Size of gravity, free lengths of springs, tables of loads over the angle."""
+    """Sentences about an odd gravity, free length of a spring, or table of a load over the angle."""
     pull = math.hypot(*linkage.gravity)
     if pull > LARGEST_GRAVITY:
         yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
@@ -141,7 +141,7 @@ def load_name(load: Load) -> str:
 
 
 def _oversized_loads(linkage: Linkage) -> Iterator[str]:
-    """A load beside which gravity, inertia, damping and the other loads together are nothing."""
+    """Sentences about loads beside which gravity, inertia, damping and other loads are negligible."""
     without_drag = [kind for kind in LOADS if kind != "dampers"]
     if not any(getattr(linkage, kind) for kind in without_drag):
         return
@@ -173,7 +173,7 @@ def _unit_slip(load: Load, linkage: Linkage) -> str:
 
 
 def _table_slips(load: str, law: Law) -> Iterator[str]:
-    """A table that leaves out a part of the turn, and one whose spline goes far beyond its values."""
+    """Sentences about a table that leaves out part of the turn, or whose spline overshoots its values."""
     if law.angles is None or not law.period:
         return
     steps = np.diff(np.append(law.angles, law.angles[0] + law.period))
@@ -335,7 +335,7 @@ def _load_facts(linkage: Linkage) -> Facts:
 
 
 def _sketch_facts(mechanism: Mechanism) -> Facts:
-    """How far each sketched point is from where it is assembled, m, and how far the linkage extends."""
+    """The distance, m, of each sketched point from its assembled place, and the linkage's extent, m."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(mechanism.linkage.sketch_angle)
     off = {name: float(np.hypot(*(sweep.point(name) - place))) for name, place in linkage.sketch.items()}
     return {"angle": linkage.sketch_angle, "off": off, "extent": linkage.extent()}

@@ -127,7 +127,7 @@ def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
 
 
 def _cure(mechanism: Mechanism, reach: CrankRange) -> str:
-    """The options that keep a motion to the part where no group binds, in round numbers."""
+    """The options, in round numbers, that keep a motion to the part of the range where no group binds."""
     part = good_part(mechanism, reach)
     size = mechanism.linkage.phi.unit.size
     if part:

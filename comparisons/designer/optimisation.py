@@ -138,13 +138,13 @@ class Optimum:
     exact: Array
 
     def bound(self, variable: Variable) -> str:
-        """At which of its bounds a number ended: lower, upper, or neither."""
+        """The bound at which a number ended: "lower", "upper", or "" for neither."""
         here = (self.after[variable.parameter.name] - variable.low) / (variable.high - variable.low)
         return "lower" if here < ACTIVE else "upper" if here > 1.0 - ACTIVE else ""
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What a reader of the best design has to know."""
+        """Sentences that warn a reader of the best design, as about bounds reached."""
         loads = self.problem.case.loads_that_stay([self.after])
         return [*filter(None, (self.at_open_end.sentence, loads))]
 
@@ -158,7 +158,7 @@ class Optimum:
         return dict(self.after)
 
     def _short(self, variable: Variable, digits: int) -> float:
-        """A number of the best design, SI, in so many digits of the file's unit, within its bounds."""
+        """The best design's number, SI, rounded to so many digits of the file's unit, within its bounds."""
         at = self.bound(variable)
         if at:
             return variable.low if at == "lower" else variable.high
@@ -167,7 +167,7 @@ class Optimum:
         return min(max(value, variable.low), variable.high)
 
     def _serves(self, numbers: Mapping[str, float]) -> bool:
-        """Whether a design is as good as the best one, and holds what that one holds."""
+        """Whether a design of these numbers is as good as the best one and meets the same constraints."""
         problem, count = self.problem, len(self.problem.aims)
         values = problem.case.figures_of(numbers, problem.figures)
         aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
@@ -256,7 +256,7 @@ def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], req
 
 
 def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
-    """The figures of some names that the linkage has; others are left out."""
+    """Those figures of these names that the linkage has; others are left out."""
     figures: list[NamedFigure] = []
     for name in names:
         try:

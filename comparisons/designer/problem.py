@@ -50,7 +50,7 @@ def effective_reduction(figure: Figure) -> Reduction:
 
 
 def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
-    """The sides of a signal, highest and lowest, whose maxima make a figure: a range and a peak have both, means none.
+    """The sides of a signal, highest and lowest, whose maxima make a figure; none for means.
 
     A peak is the highest maximum of both; those of a range's two sides add up.
     """
@@ -81,7 +81,7 @@ class LocalMaxima:
         return np.linspace(self.case.places[0], self.case.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
-        """The motion of a design cut at the minima between its maxima, for every side."""
+        """The motion of a design cut, for every side, into a window around each highest maximum."""
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
             window
@@ -192,7 +192,7 @@ class Pieces(NamedTuple):
 
     @property
     def top(self) -> tuple[Array, Array]:
-        """The highest value (1,) and its derivatives (1, variables)."""
+        """The highest of the values (1,), and its derivatives (1, variables)."""
         here = slice(best := int(np.argmax(self.values)), best + 1)
         return self.values[here], self.slopes[here]
 
@@ -202,7 +202,7 @@ class Pieces(NamedTuple):
         return self.sign * float(np.max(self.values))
 
     def bounded_by(self, sign: float) -> tuple[Array, Array]:
-        """Smooth values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
+        """Smooth values, and derivatives, whose highest is ``sign`` times the figure."""
         if sign == self.sign:
             return self.values, self.slopes
         values, slopes = self.top
@@ -253,12 +253,12 @@ class DesignProblem:
 
     @cached_property
     def low(self) -> Array:
-        """Lower bounds, SI."""
+        """The lower bound of each variable, SI, (variables,)."""
         return np.array([variable.low for variable in self.variables])
 
     @cached_property
     def width(self) -> Array:
-        """The bounds' distances, SI."""
+        """The distance of each variable's bounds, SI, (variables,)."""
         return np.array([variable.high - variable.low for variable in self.variables])
 
     def numbers(self, place: Array) -> dict[str, float]:
@@ -294,7 +294,7 @@ class DesignProblem:
         return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
 
     def _pieces_of_figures(self, place: Array, windows: tuple[SampleWindow, ...]) -> list[Pieces]:
-        """The pieces of every aim and constrained figure at a place; raises AssemblyError."""
+        """The pieces of every aim and constraint, maxima looked for in ``windows``; raises AssemblyError."""
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, tuple[Array, Array]] = {}
         if windows:
@@ -362,7 +362,7 @@ def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Var
 
 
 def _bounds(number: Parameter, text: str) -> tuple[float, float]:
-    """The bounds of a number, SI, as typed; raises LinkproofError for malformed or impossible ones."""
+    """Lower and upper bound of a number, SI, from the typed text; raises LinkproofError for impossible ones."""
     share = PERCENT_RANGE.fullmatch(text)
     if share is not None:
         part = 0.01 * float(share["percent"])

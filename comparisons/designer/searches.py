@@ -55,7 +55,7 @@ class Descent:
     beyond: int = 0
 
     def run(self, start: Array) -> End | None:
-        """The end of a search from a design; None where that cannot be assembled."""
+        """The end of a search from a design; None where the design cannot be assembled."""
         try:
             end = self.end(start)
         except AssemblyError:
@@ -149,7 +149,7 @@ Rows = tuple[Array, Array, Array]
 
 
 def _below_aim(design: Linearised) -> Rows:
-    """What has to be positive for a design's aim to be at most z, its derivatives by place, and by z."""
+    """Values that are positive if a design's aim is at most z, their derivatives by place, and by z."""
     own = np.concatenate([-design.aim, design.inside])
     return (
         own,
@@ -159,7 +159,7 @@ def _below_aim(design: Linearised) -> Rows:
 
 
 def _within_violation(design: Linearised) -> Rows:
-    """What has to be positive for a design to violate no constraint by more than z; as ``_below_aim``."""
+    """Values that are positive if a design violates no constraint by more than z; else as ``_below_aim``."""
     own = np.concatenate([design.inside, design.equal, -design.equal])
     return own, np.vstack([design.inside_slopes, design.equal_slopes, -design.equal_slopes]), np.ones(len(own))
 
@@ -238,7 +238,7 @@ class Search:
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
-        """Ends that are higher than the best, or violate a constraint."""
+        """Ends that are worse than the best: higher, or with a constraint violated."""
         best = self.best
         return tuple(
             end for end in self.ends if best is not None and end is not None
@@ -268,10 +268,10 @@ class Search:
 
 
 def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
-    """Search from the file's design ``start``, and ``everywhere`` from the best of an even sample.
+    """Search from the file's design ``start`` and, if ``everywhere``, from the best designs of an even sample.
 
-    Not all of these are searched from where the first few searches have ended at the same. Where the file's design
-    leads to none that is allowed, a few others of such a sample are tried, until several miss the constraints alike.
+    Once the first few searches end at the same design, no others are made. Where the search from the file's design
+    ends without meeting the constraints, a few sampled designs are tried, until several miss the constraints alike.
     """
     result = Search(Descent(problem), everywhere)
     ends, run = result.ends, result.descent.run

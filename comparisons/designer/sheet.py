@@ -133,11 +133,11 @@ class Sheet:
         return self.values if self.chosen is None else self.chosen
 
     def unit(self, name: str) -> FileUnit:
-        """The unit in which the linkage's file has a signal."""
+        """The file's unit of a signal."""
         return self.file_unit_of(self.units[name])
 
     def file_unit_of(self, si: str) -> FileUnit:
-        """The unit that the linkage's file has in place of an SI unit."""
+        """The file's unit in place of an SI unit."""
         return file_unit(si, self.linkage)
 
     def unit_of(self, figure: SignalFigure) -> FileUnit:
@@ -154,13 +154,13 @@ class Sheet:
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:
-        """The largest magnitude of all signals of a signal's kind and unit, SI, and of what it is computed from."""
+        """The largest magnitude, SI, of all signals of this signal's kind, and of the terms that it sums up."""
         own = self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
         return max(own, self._ingredients.get(name, 0.0))
 
     @cached_property
     def _ingredients(self) -> dict[str, float]:
-        """The sizes of the terms whose sum a signal is: rounding of them is what remains where they cancel."""
+        """By signal, the size, SI, of the terms it is the sum of, which decides the rounding left where they cancel."""
         extent = self.linkage.extent()
         torque = self._scales.get(("joint_force", "N"), 0.0) * (1.0 if self.is_linear else extent)
         speed = self._scales.get(("omega", self.units.get("omega", "")), 0.0)
@@ -205,7 +205,7 @@ class Sheet:
 
     @cached_property
     def _scales(self) -> dict[tuple[str, str], float]:
-        """The largest magnitude by kind and unit of signals."""
+        """The largest magnitude, SI, of all signals of each kind and unit."""
         scales: dict[tuple[str, str], float] = {}
         for name, values in self.values.items():
             size = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))

@@ -215,7 +215,7 @@ def _is_dask_array(values: object) -> bool:
 
 
 def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
-    """Values of a parameter; raises LinkproofError if they are not a list of finite numbers."""
+    """Values of a parameter as an array; raises LinkproofError unless they are a list of finite numbers."""
     data = getattr(given, "data", given) if hasattr(given, "dims") else given  # of a DataArray
     values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
     if len(values.shape) != 1 or values.shape == (0,) or not (_is_dask_array(values) or np.all(np.isfinite(values))):
@@ -273,7 +273,7 @@ class SweepRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader of the figures has to know."""
+        """Sentences that warn a reader of the figures, as about open ends."""
         return [*filter(None, (self.at_open_end.sentence, self.loads_that_stay))]
 
 

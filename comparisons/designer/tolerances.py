@@ -197,7 +197,7 @@ def _read_tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: s
 
 
 def _read_plus_minus(number: Parameter, value: object) -> float:
-    """The ± of a number, SI, from a value of the file; raises LinkproofError for none."""
+    """The ± of a number, SI, from a value of the file; raises LinkproofError unless it is positive."""
     if isinstance(value, str):
         size = number.si(value.replace("±", ""))
     elif _is_number(value):
@@ -351,7 +351,7 @@ class ToleranceStudy:
 
     @property
     def how(self) -> str:
-        """Whether the derivatives are exact or differences."""
+        """The word for the derivatives: exact or differences."""
         return EXACT if is_exact(self.request.case.mechanism) else DIFFERENCE
 
     @property

@@ -26,7 +26,7 @@ class Correction:
     offset: float = 0.0
 
     def compose(self, first: Correction) -> Correction:
-        """The correction that applies ``first``, then this one."""
+        """The correction with the effect of ``first``, then of this one."""
         return Correction(
             self.sign * first.sign,
             self.factor * first.factor,
@@ -120,7 +120,7 @@ class Evidence(SignalTimes):
 
     @property
     def tolerance(self) -> Array:
-        """The difference that a cause need not explain, (n,)."""
+        """The difference, SI, (n,), that needs no cause: rounding and what is negligible."""
         return np.asarray(self.rounding + NEGLIGIBLE * self.scale)
 
     @property

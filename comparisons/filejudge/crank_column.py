@@ -65,7 +65,7 @@ class ColumnMotion(CrankMotion):
 
     @property
     def is_known(self) -> bool:
-        """Whether it is a run-up, a swing or a servo's motion, not just any spline."""
+        """Whether it is a known motion, such as a run-up or a swing, and not a spline."""
         return self.regime in (*FAMILIES, CORNERS)
 
     @cached_property
@@ -115,7 +115,7 @@ def motion_of_angles(time: Array, angle: Array, resolution: Array) -> ColumnMoti
 
 
 def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: float = 0.0) -> ColumnMotion:
-    """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
+    """The motion behind crank speeds (n,), rad/s, each rounded within its ``resolution``; starts at an angle, rad."""
     return _motion(time, speed, resolution, start_angle, of_speed=True)
 
 
@@ -146,7 +146,7 @@ class KnownFit:
 
     @cached_property
     def residual(self) -> Array:
-        """What it leaves of the column, over the rounding, (n,)."""
+        """Column less fit, over the rounding, (n,)."""
         shape = _shape(self.family, self.samples, self.time)
         return np.asarray((self.samples.values - self.start - self.size * shape) / self.samples.rounding)
 
@@ -161,7 +161,7 @@ class KnownFit:
         return self.largest <= SLACK
 
     def likewise(self) -> list[KnownFit]:
-        """Fits to other columns that would be printed the same."""
+        """Fits to trial columns that would be printed as this one."""
         few = self.samples.thinned(MOST_SAMPLES)
         first = float(self.samples.values[0]) / (ROUND_MULTIPLE * float(np.max(self.samples.rounding)))
         is_exact = self.largest < EXACT_SHARE and abs(first - round(first)) < EXACT_SHARE
@@ -227,7 +227,7 @@ def _fit(samples: _Samples, family: str) -> KnownFit | None:
 
 
 def _longest(samples: _Samples, family: str) -> float:
-    """The longest time, s: neither a dwell nor a hold is left."""
+    """The longest ramp or swing time, s, that fits the column: no dwell or hold is left."""
     return (0.5 if family.endswith(BACK) else 1.0) * samples.duration
 
 

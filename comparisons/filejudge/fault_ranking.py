@@ -86,20 +86,20 @@ class Fit:
 
     @property
     def change(self) -> float:
-        """How far its numbers are from those with which nothing is wrong, over what counts as a change of each."""
+        """Distance of the numbers from those of no fault, over a noticeable change of each."""
         start = np.array(self.fault.start)
         return float(np.linalg.norm((self.numbers - start) / self.fault.sizes)) if len(start) else 0.0
 
     @property
     def rank(self) -> tuple[int, int]:
-        """Small for what an engineer looks at first."""
+        """The sort key of causes: smaller for those that an engineer looks at first."""
         kind = self.fault.kind
         if kind is FaultKind.SEVERAL and not self.digits:
             return (FaultKind.SETTING, 0) if len(self.numbers) < 2 else (FaultKind.NUMBER, NOT_ROUND)
         return kind, self.digits
 
     def applied(self, simulation: Simulation) -> Simulation:
-        """A simulation with the fault."""
+        """The simulation with this fault and these numbers in it."""
         return simulation.with_values(self.fault.targets(*self.numbers))
 
 
@@ -113,7 +113,7 @@ class Fitting:
         self.rms = np.array([float(np.sqrt(np.nanmean(r**2))) if np.isfinite(r).any() else 0.0 for r in self.before])
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
-        """Residuals (n,) of every column with a fault, over its tolerance, nan where undecided; None if impossible."""
+        """Residuals (n,) of every column with a fault, over its tolerance; nan where open, None if impossible."""
         remains = list(self.before)
         try:
             with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
@@ -177,7 +177,7 @@ class Fitting:
         return fault.is_linear and not sizes and not self.simulation.linkage.friction
 
     def _best_guesses(self, fault: Hypothesis) -> Sequence[float | Numbers]:
-        """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
+        """The guesses to fit from; of many, those that come nearest to the file without a fit."""
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
         fits = {guess: self.evaluate(fault, guess) for guess in fault.guesses}
@@ -262,7 +262,7 @@ class _OnALine(Fitting):
 def _fit_of(
     fault: Hypothesis, numbers: Iterable[float], residuals: list[Array] | None, digits: int = NOT_ROUND
 ) -> Fit | None:
-    """A fit by what is left of every signal: infinite where too much of it is open; None where nothing is known."""
+    """The fit with these residuals: infinite RMS where too much is open; None without residuals."""
     if residuals is None:
         return None
     rms, largest = [], []
@@ -275,7 +275,7 @@ def _fit_of(
 
 
 def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
-    """The fit that leaves least; None without one."""
+    """The fit that leaves least; None where all are None."""
     return min((fit for fit in fits if fit), key=lambda fit: float(np.sum(fit.rms**2)), default=None)
 
 
@@ -366,7 +366,7 @@ def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evid
 
 
 def differs(evidence: Evidence) -> bool:
-    """Whether a signal's difference is beyond its rounding and what is negligible."""
+    """Whether a signal differs from the closed form by more than rounding and what is negligible."""
     return bool(np.any(np.abs(evidence.residual) > NOTICED))
 
 
@@ -444,7 +444,7 @@ class _Search:
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
 
     def log_remainder(self, fit: Fit, names: Sequence[str]) -> float:
-        """Mean logarithm of what a fit leaves of some signals, over what their rounding leaves."""
+        """Mean logarithm, over these signals, of the RMS that a fit leaves divided by that of rounding."""
         places = [self.places[name] for name in names]
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
@@ -464,7 +464,7 @@ class _Search:
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Rivals to name beside the likeliest fit: no freer ones beside a setting or a column."""
+    """Rivals to name beside the best fit, without freer ones where it is a setting or a column."""
     kind, _ = best.rank
     most = FaultKind.NUMBER if kind <= FaultKind.SETTING else max(FaultKind.SEVERAL, kind)
     return (fit for fit in others if fit.rank[0] <= most)

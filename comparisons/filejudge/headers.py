@@ -140,7 +140,7 @@ class Unit:
         return Unit(self.factor * other.factor**exponent, tuple(own + exponent * added for own, added in powers))
 
     def measures(self, dimension: Dimension) -> bool:
-        """Whether it can be the unit of a quantity; a speed of rotation may be in 1/s."""
+        """Whether it can be the unit of a quantity of this dimension; 1/s may be that of a speed of rotation."""
         turns = dimension[3] == 1 and dimension[2] < 0
         return self.dimension == dimension or (turns and self.dimension == (*dimension[:3], 0))
 
@@ -342,7 +342,7 @@ class HeaderParser:
         return Meaning(best[0], unit, printed, self._assumption(best[0], fitting[best[0]], column))
 
     def _fitting(self, read: Sequence[Meanings], unit: Unit | None) -> dict[str, Meanings]:
-        """Signals of which all words read are true and whose required words are there, each with what fits."""
+        """Signals whose words are all true and whose required words are present, each with the words that fit."""
         fitting = {}
         for name, true in self._vocabularies.items():
             if unit is not None and not unit.measures(self.unit(name).dimension):

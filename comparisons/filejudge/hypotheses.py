@@ -109,7 +109,7 @@ class Hypothesis:
 
 
 def _certain(name: str, kind: FaultKind, values: Values, words: str, *, is_slow: bool = False) -> Hypothesis:
-    """A hypothesis without numbers."""
+    """A hypothesis that has no number to fit."""
     return Hypothesis(name, kind, lambda: values, lambda: words, is_slow=is_slow)
 
 
@@ -128,7 +128,7 @@ def unit_slips(si: str, header: float | None = None) -> Iterator[tuple[float, st
 
 
 def _slip_words(si: str, k: float) -> str:
-    """The words of the units whose ratio a factor is, in brackets; "" for none."""
+    """The units mistaken for each other if a factor is their ratio, in brackets; "" for any other factor."""
     slips = (words for ratio, words in unit_slips(si) if math.isclose(ratio, k, rel_tol=SAME_UNIT))
     return next((f" (factor {k:.6g}: {words})" for words in slips), "")
 
@@ -339,7 +339,7 @@ def of_model(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
-    """Another gravity along the file's direction, and any vector."""
+    """Gravity of another size along the file's direction, and gravity of any direction."""
     (x, y), size = linkage.gravity, math.hypot(*linkage.gravity)
     if not any(link.mass for link in linkage.links.values()):
         return
@@ -371,7 +371,7 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
-    """One group each that is assembled in its other mode."""
+    """For each group, the linkage with this group assembled in its other mode."""
     dyads = simulation.mechanism.structure.dyads
     for number, dyad in [(n, dyad) for n, dyad in enumerate(dyads) if dyad.has_two_modes][:MOST_MODES]:
         signs = tuple(-other.sign if n == number else other.sign for n, other in enumerate(dyads))
@@ -380,7 +380,7 @@ def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
-    """Friction that grows with the speed, in a pin that has none in the file."""
+    """A rotary damper in a pin that has none in the file, for each such pin."""
     linkage = simulation.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
     size = (inertia or 1.0) * (simulation.motion.peak_speed or 1.0)
@@ -458,7 +458,7 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothesis]:
-    """That number of the description alone has another value; a direction is turned. Without effect, nothing."""
+    """Another value of one number of the description, or a direction turned; nothing if it has no effect."""
     kind, value, path = number.kind, number.value, number.path
     is_place, is_load = kind in (Kind.LENGTH, Kind.ACCELERATION), path[0] in LOADS
     if kind is Kind.DIRECTION:

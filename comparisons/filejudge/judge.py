@@ -65,7 +65,7 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
 
 
 def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array:
-    """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
+    """The largest of several trials' differences near each sample, (n,); over all samples for an unknown motion."""
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
         return np.full(len(largest), np.max(largest))
@@ -118,7 +118,7 @@ class SignalVerdict(Evidence):
 
     @property
     def floor(self) -> float:
-        """The largest that the file's rounding leaves open, over the scale."""
+        """The largest error, over the scale, that the file's rounding leaves open."""
         return float(np.max(self.rounding[self.counted], initial=0.0)) / self.scale
 
     @property
@@ -133,7 +133,7 @@ class SignalVerdict(Evidence):
 
     @property
     def left_out(self) -> int:
-        """Samples at a jump, whose errors count beyond its size."""
+        """Number of samples at a jump, where only errors beyond the jump's size count."""
         return int(np.sum(~self.counted))
 
     @property
@@ -380,7 +380,7 @@ def _check_speed(model: Simulation, signals: Sequence[ImportedSignal], *, gives_
 
 
 def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> ImportedSignal:
-    """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
+    """The signal without whole turns that a tool added; a transmission angle as its acute angle."""
     if unit(signal.name, linkage) != "rad":
         return signal
     if signal.name.startswith("transmission_angle"):

@@ -54,7 +54,7 @@ class MapEntry:
     correction: Correction
 
     def fail(self, message: str) -> LinkproofError:
-        """The error to raise about the entry."""
+        """The LinkproofError about the entry, for the caller to raise."""
         return LinkproofError(f"--map '{shortened(self.text)}': {message}")
 
     def meaning(self, parser: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
@@ -96,7 +96,7 @@ def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEn
 
 
 def _lines(given: str) -> list[str]:
-    """The entries of one ``--map``."""
+    """The entries of one ``--map``: the lines of the file that it names, or the text itself."""
     if "=" in given:
         return [given]
     return [*filter(str.strip, read_text(Path(given), expected=f"{ENTRIES}, or a file of such lines").text.split("\n"))]
@@ -165,7 +165,7 @@ class _Reading:
         return _ReadColumn(table, column, meaning, unit.factor, correction)
 
     def _axis(self, table: ResultTable) -> tuple[_ReadColumn, Meaning] | None:
-        """The axis of a table: time, else the crank angle; None where no column has a meaning."""
+        """The axis of a table with its meaning: time, else the crank angle; None without either."""
         every = self.with_meaning(table)
         axes = [pair for name in (TIME, "phi") for pair in every if pair[1].signal == name]
         if every and not axes:

@@ -176,7 +176,7 @@ def _centrifugal(sweep: Sweep) -> Array:
 
 
 def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
-    """A linkage with other numbers by name, and nothing that goes with them.
+    """A linkage with other numbers, SI, by name; lengths change no masses. Raises LinkproofError.
 
     Raises LinkproofError for two points of a link in one place.
     """
@@ -241,5 +241,5 @@ class ChangedMotion:
 
 
 def is_rotary(name: str) -> bool:
-    """Whether a signal changes its sign where the drawing is looked at from behind."""
+    """Whether a signal changes sign when the mechanism is seen from behind: rotations and torques."""
     return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")

@@ -73,7 +73,7 @@ class ResultText:
     text: str
 
     def fail(self, line: int, message: str) -> LinkproofError:
-        """The error to raise about a line; ``message`` states the expectation, the content, and the remedy."""
+        """The LinkproofError about a line, for the caller to raise."""
         return LinkproofError(f"{self.name}:{line}: {message}")
 
 
@@ -167,7 +167,7 @@ def _split_cells(row: str, delimiter: str) -> list[str]:
 
 
 def _find_signs(row: str, text: str) -> _Signs:
-    """The signs of a text of numbers: a comma parts the cells of its first ``row`` unless tabs or semicolons do."""
+    """The delimiter and decimal sign of a text, from its first ``row`` of numbers."""
     bare = QUOTED.sub("0", row.strip(" "))
     delimiter = next((sign for sign in "\t;" if sign in bare), "")
     delimiter = delimiter or (BLANK if BETWEEN_BLANKS.search(bare) or "," not in bare else ",")
@@ -214,7 +214,7 @@ def _text_tables(file: ResultText) -> Iterator[ResultTable]:
 
 
 def _parts(text: str) -> Iterator[_Part]:
-    """Blocks of rows, which begin with a number, and the lines of text between them."""
+    """The blocks of rows, each beginning with a number, and the lines of text between them, in order."""
     start, line = 0, 1
     for words in chain(TEXT_LINE.finditer(text), [None]):
         end = words.start() if words else len(text)
@@ -409,7 +409,7 @@ def _adams_table(file: ResultText) -> ResultTable:
 
 
 def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
-    """What a reader makes of a file; raises LinkproofError for whatever it raises or does."""
+    """The result of a reader that runs in another process; raises LinkproofError for any failure there."""
     check_file(path, EXPECTED, LARGEST)
     processes = min(1, most_processes())
     results: list[tuple[int, R | str | Lost]] = [
@@ -425,7 +425,7 @@ def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
 
 
 def _result_or_words(reader: Callable[[Path], R], path: Path) -> R | str:
-    """The result of a reader, or what is wrong."""
+    """The result of a reader, or the error that it raised, in words."""
     try:
         return reader(path)
     except MemoryError:

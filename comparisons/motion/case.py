@@ -86,7 +86,7 @@ class DriverMotion(Protocol):
 
 
 def zero_of_output(mechanism: Mechanism, motion: DriverMotion) -> float:
-    """The output's coordinate at which S is 0, m.
+    """The output's coordinate, m, from which S counts.
 
     It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches,
     between instants too. Raises LinkproofError where the output of a full turn stands still along its direction.
@@ -296,12 +296,12 @@ class Case:
 
     @cached_property
     def apart(self) -> Case:
-        """The same case for the truth at a few instants, which pushes that of no run's clock out."""
+        """The same case with a cache of its own, for a few instants that must not displace those of a run."""
         return replace(self)
 
     @cached_property
     def at_rest(self) -> Case:
-        """The driver at rest where the motion begins, as it is before."""
+        """The case of the driver at rest where the motion begins."""
         rest = Segment(0.0, self.motion.duration, (float(self.motion.angle(0.0)),))
         return Case(self.mechanism, CrankMotion(self.motion.regime, (rest,)))
 
@@ -383,7 +383,7 @@ def _torque_words(regime: ReleasedRegime, unit: str) -> str:
 
 
 def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
-    """The drive of a released crank for an engine: torque, duration, and the fastest change of speed to expect, rad/s.
+    """A released crank's drive: torque, duration, s, and fastest change of speed, rad/s, for the choice of steps.
 
     From the last an engine chooses its steps.
     """

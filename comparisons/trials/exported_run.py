@@ -74,7 +74,7 @@ def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recip
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
-    """The figures that are furthest from the truth: of all places, of all angles, of the torque, of all forces.
+    """The figures with the largest errors: one of places, of angles, of the torque and of forces.
 
     A channel without a truth at some instant, as in a dead position, has none.
     """

@@ -71,7 +71,7 @@ class ObservedMotion:
         return getattr(self.history, channel.value) is not None
 
     def origin(self, channels: Iterable[Channel]) -> Origin:
-        """The weakest origin of these channels."""
+        """The weakest origin of the signals in these channels."""
         signals = [s for c in channels for s in (self.history.joint_force.values() if c is Channel.JOINT_FORCE
                    else (self.signal(c),))]  # fmt: skip
         return weakest(signal.origin for signal in signals)
@@ -231,7 +231,7 @@ PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the 
 
 
 def is_off_jumps(time: Array, jumps: Sequence[float]) -> Booleans:
-    """Which samples at these times, s, have one value: one on a jump has two, and an engine shows either or neither."""
+    """Which samples at these times, s, are on no jump; on a jump an engine may show either value."""
     result = np.full(len(time), True)
     for jump in jumps:
         result &= np.abs(time - jump) > _same_time(time)

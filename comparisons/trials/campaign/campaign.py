@@ -84,7 +84,7 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 
 
 def each_case(request: CampaignRequest) -> Iterator[Case]:
-    """Every linkage under every requested motion and in its own requested regimes, one after the other.
+    """Every linkage under every requested motion, then in its own requested regimes.
 
     Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
     """
@@ -137,14 +137,14 @@ def compare(
 def lost(
     failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool
 ) -> RunRecord:
-    """The run whose process gave no result."""
+    """The record of a run whose process gave no result, with the reason in every quantity."""
     case = unpickle_case(pickled)
     run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
     return _without_motion(run, chosen_quantities(case, names), failure.outcome, failure.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
-    """The channels that the engine has to record."""
+    """The channels that an engine has to record for these quantities and, if asked for, the invariants."""
     return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
@@ -195,7 +195,7 @@ def compared(
 def _without_motion(
     run: RunRecord, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str
 ) -> RunRecord:
-    """A run that gave no motion, with a row for each quantity to say so."""
+    """The run with outcome and reason in a row for each quantity, since it gave no motion."""
     blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
     return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))
 

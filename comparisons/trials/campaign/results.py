@@ -104,7 +104,7 @@ class CampaignResults:
 
     @cached_property
     def figures(self) -> tuple[Error, ...]:
-        """Key figures of every linkage and motion."""
+        """Key figures of the closed form, as Error records whose ``error_max`` is the value."""
         return tuple(
             Error(
                 **{name: row[name] for name in NAMES[:4]}, engine=CLOSED_FORM, setting="", quantity=row["figure"],
@@ -153,7 +153,7 @@ def document(
     command: str,
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """All but the runs, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.as_dict`` has them."""
+    """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``."""
     return {
         "command": command,
         "conditions": request.conditions,
@@ -165,7 +165,7 @@ def document(
 
 
 def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Change]) -> dict[str, Any]:
-    """The parts of a document by which its runs are judged, JSON-ready."""
+    """Limits, key figures and changes of a campaign, JSON-ready: the part that judging anew replaces."""
     rows = ((*figure[:4], figure.quantity, figure.error_max, figure.unit) for figure in figures)
     return {
         "limits": limits.as_dict,
@@ -180,7 +180,7 @@ def checksum(text: str) -> str:
 
 
 def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
-    """A campaign's document with its runs, flat: a row for each quantity and invariant."""
+    """The document with its runs added: a row per quantity and invariant, and details by run."""
     records = list(runs)
     return {
         **table,
@@ -197,7 +197,7 @@ def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> N
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
-    """The study that a document is of."""
+    """The kind of study that a document holds: a judgement or a comparison."""
     return JUDGE if "judgement" in table else COMPARE
 
 

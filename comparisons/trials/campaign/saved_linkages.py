@@ -48,24 +48,24 @@ CASE: Final = TypeAdapter(CaseRow)
 
 
 def linkage_row(linkage: Linkage) -> LinkageRow:
-    """A linkage for a folder."""
+    """The row that saves a linkage."""
     return LinkageRow(name=linkage.name, variant=linkage.variant, gravity=linkage.gravity, text=linkage.text)
 
 
 def described_linkage(row: LinkageRow) -> Linkage:
-    """The linkage of a folder."""
+    """The linkage that a row saved."""
     own = parse(row["text"], row["name"], row["name"], row["variant"])
     return replace(own, gravity=(row["gravity"][0], row["gravity"][1]))
 
 
 def motion_row(motion: CrankMotion) -> MotionRow:
-    """A motion for a folder."""
+    """The row that saves a motion."""
     segments = [(piece.start, piece.end, list(piece.coefficients)) for piece in motion.segments]
     return MotionRow(regime=motion.regime, segments=segments)
 
 
 def described_motion(row: MotionRow) -> CrankMotion:
-    """The motion of a folder."""
+    """The motion that a row saved."""
     return CrankMotion(row["regime"], tuple(Segment(start, end, tuple(c)) for start, end, c in row["segments"]))
 
 

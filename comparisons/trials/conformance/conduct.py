@@ -47,7 +47,7 @@ BESIDE = 4  # samples from the start, or from where two parts meet
 
 
 def check_channel(channel: Channel, trial: EngineTrial) -> None:
-    """One channel of every sample beside the closed form, within the limit of ``tuned``."""
+    """Check one channel of every sample against the closed form, within the limit of ``tuned``."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     is_compared = False
@@ -90,7 +90,7 @@ def _error_words(worst: SignalError, bound: float) -> str:
 
 
 def check_samples(trial: EngineTrial) -> None:
-    """Sample times increase to the end of the motion, densely enough to be read between."""
+    """Check that sample times increase to the end of the motion, densely enough to be read between."""
     for sample, scene, history in trial.histories():
         motion = sample_case(sample).motion
         for reading in readings(scene, history):
@@ -125,7 +125,7 @@ CHANNEL_CHECKS = (
 
 
 def check_identity(trial: EngineTrial) -> None:
-    """Name, version and abilities are as the contract requires."""
+    """Check that name, version and abilities are as the contract requires."""
     with blamed_on(trial.engine):
         check_adapter(trial.engine)
     can = trial.engine.abilities
@@ -140,12 +140,12 @@ def check_identity(trial: EngineTrial) -> None:
 
 
 def check_installed(trial: EngineTrial) -> None:
-    """The engine can be used and finishes the plain sample; without it nothing else can be checked."""
+    """Check that the engine can be used and finishes the plain sample; all other checks rest on this."""
     trial.finished_history(PLAIN, trial.setting)
 
 
 def check_refusals(trial: EngineTrial) -> None:
-    """A scene beyond its abilities is unsupported, with a reason."""
+    """Check that a scene beyond the engine's abilities is refused as unsupported, with a reason."""
     unsupported = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
     unsupported += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
     if not unsupported:
@@ -160,7 +160,7 @@ def check_refusals(trial: EngineTrial) -> None:
 
 
 def check_claims(trial: EngineTrial) -> None:
-    """Every sample within its abilities is run, or refused with a reason that its abilities cannot state."""
+    """Check that every sample within its abilities is run, or refused for a reason that these cannot state."""
     refused = []
     for sample in SAMPLES:
         try:
@@ -177,7 +177,7 @@ def _with_first_body(scene: Scene, **changes: object) -> Scene:
 
 
 def _with_first_pin(scene: Scene, **changes: object) -> Scene:
-    """A scene with changes in its last pin, which comes first."""
+    """A scene with changes in the pin that is last in it, moved to the front."""
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
@@ -197,7 +197,7 @@ BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
 
 
 def check_bad_data(trial: EngineTrial) -> None:
-    """Data that cannot be run with come back as an outcome with a reason; nothing is raised and no process dies."""
+    """Check that unusable data give an outcome with a reason, without an exception or a crash."""
     for words, spoil in BAD_SCENES.items():
         run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
         assert run.outcome is not Outcome.FINISHED, (
@@ -208,7 +208,7 @@ def check_bad_data(trial: EngineTrial) -> None:
 
 
 def check_recording(trial: EngineTrial) -> None:
-    """Only channels that are requested and offered are recorded; the choice changes no step."""
+    """Check that exactly the requested and offered channels are recorded, and that this changes no step."""
     steps = trial.run(PLAIN).steps
     for channel in Channel:
         scene = case(PLAIN).scene(frozenset({channel}))
@@ -227,7 +227,7 @@ def check_recording(trial: EngineTrial) -> None:
 
 
 def check_repetition(trial: EngineTrial) -> None:
-    """Two runs of one scene are the same to the last bit."""
+    """Check that two runs of one scene agree to the last bit."""
     first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
     pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
@@ -239,7 +239,7 @@ def check_repetition(trial: EngineTrial) -> None:
 
 
 def check_settings(trial: EngineTrial) -> None:
-    """Every setting that is claimed runs, under every drive that is claimed."""
+    """Check that every setting that is claimed runs under every drive that is claimed."""
     for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
         for setting in sorted(trial.engine.abilities.settings):
             run = trial.run(sample, setting)
@@ -277,7 +277,7 @@ def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
 
 
 def check_silence(trial: EngineTrial) -> None:
-    """Nothing is written to standard output or error, by Python or by C, in a run that is made or refused."""
+    """Check that a run, made or refused, writes nothing to standard output or error, also by C code."""
     with tempfile.NamedTemporaryFile("a+") as written:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
             run_engine(trial.engine, scene_of(PLAIN), trial.setting)

@@ -34,7 +34,7 @@ def likeliest_misreading(right: Reading, wrong: Array) -> str:
 
 
 def _largest(values: Array) -> float:
-    """The largest magnitude in values (n, k) without the samples at either end, of few samples one at least."""
+    """The largest magnitude of values (n, k), both ends left out unless that leaves fewer than one sample."""
     ends = min(ENDS, (len(values) - 1) // 2)
     return float(np.abs(values[ends : len(values) - ends]).max())
 

@@ -81,17 +81,17 @@ def history_with(
 
 
 def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
-    """The history of an engine whose worlds are those of another case."""
+    """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead."""
     return history_with(trial, "altered", lambda scene: wrong.scene(scene.channels), sample)
 
 
 def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None:
-    """The history of an engine whose worlds are those of another sample."""
+    """The engine's history of a sample if it builds its worlds from the ``wrong`` sample instead."""
     return in_world(sample, wrong.case, trial)
 
 
 def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> History | None:
-    """The history of an engine whose bodies start with a share of their velocities, and of what a step adds to them.
+    """The engine's history if bodies start with ``kept`` of their velocity and what ``moved`` steps add.
 
     Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive.
     """
@@ -123,14 +123,14 @@ def _is_same(history: History, other: History) -> bool:
     )
 
 
-def _late(signal: Signal) -> Array:
-    """The values half a sample before their times."""
+def _lagging(signal: Signal) -> Array:
+    """The signal's values half a sample too early for their times: it lags."""
     time = signal.time
     return resample(signal, np.clip(time - 0.5 * np.gradient(time), time[0], time[-1]))
 
 
-def _first_late(signal: Signal) -> Array:
-    """The first value that of half a step later, as of a rule that has velocities or forces between its steps."""
+def _with_late_start(signal: Signal) -> Array:
+    """The values, the first one replaced by that of half a step later."""
     time = signal.time.copy()
     time[0] += 0.5 * (time[1] - time[0])
     return resample(signal, time)
@@ -174,8 +174,8 @@ STARTS: Final[Mapping[str, tuple[float, float]]] = {
 }
 SLIPS: Final[Mapping[str, tuple[str, Callable[[Signal], Array]]]] = {
     "wrong sign": (PLAIN, lambda signal: -signal.values),
-    "values of half a sample before their times": (PLAIN, _late),
-    "first sample that of half a step later": (AT_SPEED, _first_late),
+    "values of half a sample before their times": (PLAIN, _lagging),
+    "first sample that of half a step later": (AT_SPEED, _with_late_start),
 }
 
 

@@ -161,12 +161,12 @@ class EngineTrial:
 
     @property
     def setting(self) -> Setting:
-        """``tuned``, or another setting that the engine offers."""
+        """``tuned`` or, if the engine lacks it, another setting that it offers."""
         settings = self.engine.abilities.settings
         return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
 
     def obstacle(self, sample: str) -> str | None:
-        """Why a sample is not for the engine, by its abilities."""
+        """The reason, by its abilities, why the engine cannot run a sample; None if it can."""
         return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
 
     def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:
@@ -211,7 +211,7 @@ class EngineTrial:
         return self._rows[sample, setting]
 
     def judged_rows(self, sample: str, setting: Setting, history: History) -> Mapping[str, bool]:
-        """The same of any history of a sample as compare judges it, but for what the closed form gives of it."""
+        """Whether each judged row of a history of a sample has failed, by quantity; joints in one row."""
         of, motion = case(sample), ObservedMotion(scene_of(sample), history)
         run = compared(of, motion, all_quantities(of).values(), run_of(of, setting, self.engine.name), self.engine)
         failed: dict[str, bool] = {}

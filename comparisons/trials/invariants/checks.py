@@ -85,7 +85,7 @@ class Balance:
 
     @property
     def excess(self) -> Array:
-        """What is gained beyond the error bound: it certainly has no source."""
+        """The gain beyond the error bound, which certainly has no source."""
         return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 
@@ -167,7 +167,7 @@ def joint_gaps(motion: ObservedMotion) -> Signal:
 
 
 def closure(inspection: Inspection) -> dict[str, Signal]:
-    """``Inspection.corrections`` and, of a released crank, ``drift``: its speed against its acceleration."""
+    """``Inspection.corrections`` and, for a released crank, ``drift``, the mismatch of speed and acceleration."""
     drift = {"drift": speed_drift(inspection)} if isinstance(inspection.motion.scene.drive, Free) else {}
     return inspection.corrections() | drift
 
@@ -291,7 +291,7 @@ def _joint_gap(case: Case, inspection: Inspection) -> Found:
 
 
 def _closure(case: Case, inspection: Inspection) -> Found:
-    """The corrections of all levels one after the other, and how many there were before any was left out."""
+    """The corrections of all levels in one signal, their scale, and the number of samples."""
     levels = closure(inspection)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
@@ -346,7 +346,7 @@ def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...
 
 
 def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
-    """The records of ``checks`` one by one."""
+    """Yield the records of ``checks``, a record for each invariant that applies."""
     inspection = Inspection(motion, change_points(case))
     weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
     for name, invariant in INVARIANTS.items():
@@ -377,7 +377,7 @@ def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Er
 
 
 def _is_switched(scene: Scene) -> bool:
-    """Whether a load acts while the output advances or returns alone."""
+    """Whether a load acts only while the output advances, or only while it returns."""
     return any(law.when for law in (*(f.force for f in scene.forces), *(t.torque for t in scene.torques)))
 
 

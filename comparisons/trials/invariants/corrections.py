@@ -75,7 +75,7 @@ class AssurGroups:
         return [group for group in groups if group]
 
     def _ties(self, placed: set[str]) -> list[tuple[str, ...]]:
-        """What every equation ties together: bodies that are not placed, and points of pins.
+        """Names tied together by each equation: bodies not yet placed, and points of pins.
 
         All placed bodies on a pin are one, as they do not place each other.
         """
@@ -162,11 +162,11 @@ class Corrected:
         return self.groups.equations
 
     def observed(self, order: int) -> Array:
-        """Position, velocity or acceleration of every body."""
+        """Position, velocity or acceleration (order 0, 1, 2) of every body, as the engine has it."""
         return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
-        """The correction of the position, velocity or acceleration."""
+        """The correction of position, velocity or acceleration (order 0, 1, 2), (instants, bodies, 3)."""
         if order == 0:
             return self._position_correction
         return self._velocity_correction if order == 1 else self._acceleration_correction
@@ -351,17 +351,17 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
     ``rate`` is b/Jeq, 1/s, with which a speed relaxes; ``start`` is the first sample's own error. Between samples the
     drive and loads, ε + rate · ω, are taken to be smooth, not ε itself, which may be over within a fraction of a step.
     """
-    errors = accumulate_errors(start, *_steps(time, speed, acceleration, rate))
+    errors = accumulate_errors(start, *_error_per_step(time, speed, acceleration, rate))
     if len(time) < 4 * POINTS:
         return np.zeros(len(time))
-    coarse = accumulate_errors(start, *_steps(time[::2], speed[::2], acceleration[::2], rate[::2]))
+    coarse = accumulate_errors(start, *_error_per_step(time[::2], speed[::2], acceleration[::2], rate[::2]))
     converging = bool(np.all(np.diff(time) * np.maximum(rate[1:], rate[:-1]) < MOST_DECAY))
     unsure = (ERROR_SHARE if converging else 1.0) * np.maximum.accumulate(np.abs(coarse - errors[::2]))
     return np.maximum(np.abs(errors) - unsure[np.arange(len(time)) // 2], 0.0)
 
 
-def _steps(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple[Array, Array]:
-    """The share of a speed error that each step leaves, and the error that it adds."""
+def _error_per_step(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple[Array, Array]:
+    """For each step, the share of a speed error that it leaves, and the error that it adds."""
     push, step = acceleration + rate * speed, np.diff(time)
     decay = step * 0.5 * (rate[1:] + rate[:-1])
     shares = np.exp(-decay)

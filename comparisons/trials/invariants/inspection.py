@@ -56,18 +56,18 @@ class Inspection:
 
     @cached_property
     def radian(self) -> float:
-        """The unit of φ: 1 rad, or the scene's size, m."""
+        """The unit of φ: 1 for rad or, for a linear drive, the scene's size, m."""
         return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
 
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:
-        """The findings by clock, up to the highest derivative on it: channels that share a clock share the work."""
+        """The findings by clock, up to the highest derivative that has this clock."""
         recorded = list(takewhile(self.motion.has, LEVELS))
         clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(recorded)}
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:
-        """The findings at a channel's samples."""
+        """The findings at a channel's sample times."""
         return self._findings[self.motion.signal(channel).time.tobytes()]
 
     def corrections(self) -> dict[str, Signal]:
@@ -213,7 +213,7 @@ class Inspection:
 
 
 def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ...]) -> Array:
-    """Values in a gap by a polynomial through the samples on either side of it; nan without such a polynomial."""
+    """Values for a gap, by a polynomial through the samples beside it; nan without such a polynomial."""
     time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
     low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
     around = (time >= low) & (time <= high) & ~beside
@@ -227,7 +227,7 @@ def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ..
 
 
 def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:
-    """Start and end, s, of the pieces of a motion; pieces about as long that meet without a jump are one.
+    """Start and end, s, of each smooth stretch of a motion; pieces of similar length without a jump are joined.
 
     A law or a spline is made of many such, and samples tell it from all of them.
     """

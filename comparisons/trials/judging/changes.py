@@ -39,9 +39,11 @@ def write_rows(rows: Iterable[Error], file: Path) -> None:
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for row in sorted(rows, key=_place):
+    for row in sorted(rows, key=_place_of_row):
         digits = ".9g" if row.engine == CLOSED_FORM else ".3e"
-        writer.writerow((*_place(row), row.outcome, "" if row.error_max is None else f"{row.error_max:{digits}}"))
+        writer.writerow(
+            (*_place_of_row(row), row.outcome, "" if row.error_max is None else f"{row.error_max:{digits}}")
+        )
     write_file(file, target.getvalue())
 
 
@@ -58,11 +60,11 @@ def read_rows(file: Path) -> list[Error]:
         for cells in reader:
             try:
                 row = _row(cells)
-                if _place(row) in rows:
+                if _place_of_row(row) in rows:
                     raise ValueError("the same row stands above")
             except ValueError as error:
                 raise LinkproofError(f"'{file}', line {reader.line_num}: {error}; {cure}") from error
-            rows[_place(row)] = row
+            rows[_place_of_row(row)] = row
     except UnicodeDecodeError as error:
         raise LinkproofError(f"'{file}' is no text in UTF-8: name a file that --record wrote") from error
     except csv.Error as error:
@@ -87,7 +89,7 @@ def _row(cells: list[str]) -> Error:
     return row
 
 
-def _place(row: Error) -> Place:
+def _place_of_row(row: Error) -> Place:
     """The columns by which a row before and a row after are the same result."""
     return row[:7]
 
@@ -115,7 +117,7 @@ class Change:
 
     @property
     def fails(self) -> bool:
-        """Whether it fails the comparison; what has appeared is a note."""
+        """Whether it fails the comparison; a result that has appeared does not."""
         return self.kind is not ChangeKind.APPEARED
 
     @property
@@ -147,18 +149,18 @@ class Change:
 
 def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]:
     """What is not in rows ``after`` as it was ``before``, in the order of the rows' names: an outer join of the two."""
-    old, new = ({_place(row): row for row in rows} for rows in (before, after))
+    old, new = ({_place_of_row(row): row for row in rows} for rows in (before, after))
     roundings = _rounding_errors(old, new)
     for place in sorted(old.keys() | new.keys()):
         was, now = old.get(place), new.get(place)
-        kind = _kind(was, now, roundings)
+        kind = _kind_of_change(was, now, roundings)
         if kind is not None:
             was, now = was or Error(*place), now or Error(*place, outcome="")
             yield Change(kind, place, was.error_max, now.error_max, now.outcome, now.unit)
 
 
-def _kind(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
-    """What has become of a row; None if nothing has."""
+def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
+    """The kind of change between the rows of one place, before and after; None for none."""
     if was is None or now is None:
         there = was or now
         assert there is not None

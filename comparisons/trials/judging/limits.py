@@ -41,7 +41,7 @@ class Limit(TomlTable):
     engines: frozenset[str] = frozenset()
 
     def fits(self, quantity: str, setting: str, regime: str, mechanism: str, engine: str) -> bool:
-        """Whether the limit holds for a record."""
+        """Whether this row of the table covers a record with these names."""
         kind = regime if regime in REGIMES else SWING if regime in LAWS else OWN
         return (
             quantity in self.quantities
@@ -121,7 +121,7 @@ def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
 
 
 def limit(quantity: str, setting: str, regime: str, engine: str = "") -> Limit:
-    """The limit of the suite's own table, as ``LimitTable.limit``."""
+    """The limit in the suite's own table; arguments and errors as for ``LimitTable.limit``."""
     return shipped_limits().limit(quantity, setting, regime, engine=engine)
 
 
@@ -140,7 +140,7 @@ def read_limits(path: Path) -> LimitTable:
 
 
 def with_rows(rows: Sequence[Limit], origin: str) -> LimitTable:
-    """The suite's table behind a user's rows; raises UnknownNameError, ``origin`` names their file."""
+    """A table in which a user's rows precede the suite's; ``origin`` names their file. Raises UnknownNameError."""
     ours = shipped_limits()
     for number, row in enumerate(rows, start=1):
         for name in sorted(row.settings - {*Setting}):
@@ -207,12 +207,12 @@ def judged_deviation(
 
 
 def deciding(records: Sequence[Error]) -> Sequence[Error]:
-    """The records that decide whether a campaign has passed: naive ones only where nothing else ran."""
+    """The records that decide whether a campaign has passed: naive ones only if no other setting ran."""
     return [record for record in records if record.setting != Setting.NAIVE] or records
 
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
-    """The second parts of pairs grouped by the first, both in the order of the pairs."""
+    """Pairs as lists of second members by first member, both in the order of the pairs."""
     groups: dict[K, list[V]] = {}
     for key, entry in pairs:
         groups.setdefault(key, []).append(entry)

@@ -90,13 +90,13 @@ class Quantity:
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
     def shared(self, case: Case, motion: ObservedMotion) -> str:
-        """The part of the value that is the reference's, not the engine's, in words; empty without one."""
+        """The words for the part of its value that comes from the reference, not the engine; "" without one."""
         if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
             return ""
         return self.zero if motion.last_turn is None else ""
 
     def undefined(self, case: Case) -> str:
-        """Why the closed form does not have it in a case; empty where it has."""
+        """The reason why the closed form has no value of it in a case; "" if it has."""
         try:
             self.reference(case, np.zeros(1))
         except LinkproofError as error:
@@ -191,7 +191,7 @@ def _thread(case: Case) -> ThreadPath:
 
 
 def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
-    """Feed from where the engine has the eyes, and its own contour at the reference angle in its last full turn."""
+    """The feed, m, computed from the engine's positions of the eyes and its own reference angle."""
     path, linkage = _thread(case), case.mechanism.linkage
     time = motion.signal(Channel.POSITION).time
     corners = []
@@ -298,7 +298,7 @@ def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
 
 
 def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
-    """Raise an error that says why a case has no quantity of this name."""
+    """Raise LinkproofError or UnknownNameError with the reason why a case lacks this quantity."""
     if name not in QUANTITIES:
         raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
     if QUANTITIES[name].needs_output:
@@ -433,7 +433,7 @@ def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: A
 
 
 def _truth_beside_jumps(case: Case, quantity: Quantity) -> tuple[Array, Array]:
-    """The truth just before and just after every jump, (jumps, ...) each; before the start the crank is at rest."""
+    """The truth just before and after every jump, (jumps, ...) each; at the start the crank is at rest before."""
     jumps = np.asarray(case.motion.jumps)
     before, after = (quantity.reference(case.apart, time) for time in (np.nextafter(jumps, 0.0), jumps))
     if jumps[0] == 0.0:

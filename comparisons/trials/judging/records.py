@@ -37,7 +37,7 @@ class Verdict(StrEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether the engine or its adapter is to blame."""
+        """Whether it counts against the engine or its adapter."""
         return self in FAILED
 
     @property
@@ -138,17 +138,17 @@ class RunRecord:
 
     @property
     def blank(self) -> Error:
-        """An error of the run before anything is found."""
+        """An Error record of the run with nothing filled in but its names."""
         return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
-        """The last columns of errors, ``ERRORS``, as errors of this run."""
+        """Rows whose last columns are ``ERRORS`` as Error records of this run."""
         names = _names(self)
         return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
     @property
     def every(self) -> tuple[Error, ...]:
-        """Its errors, then its invariants."""
+        """Its errors, followed by its invariants."""
         return (*self.errors, *self.invariants)
 
     def judged(self, judge: Callable[[Error], Error]) -> Self:
@@ -162,7 +162,7 @@ class RunRecord:
 
     @property
     def data(self) -> dict[str, Any]:
-        """All but the curves, JSON-ready; of the errors the columns that are not the run's."""
+        """The run without its curves, JSON-ready; its errors without the columns that repeat the run's."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "curves"}
         parts = {part: [dict(zip(ERRORS, row[len(NAMES) :], strict=True)) for row in own[part]] for part in PARTS}
         return {**own, **parts, "details": dict(self.details)}
@@ -192,7 +192,7 @@ FACTS: Final = tuple(field.name for field in fields(RunRecord) if field.name not
 
 
 def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> RunRecord:
-    """The run of a case before it is made."""
+    """The record of a run that is still to be made: only its names are filled in."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return RunRecord(*names, engine, version, setting)

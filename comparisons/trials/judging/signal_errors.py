@@ -152,7 +152,7 @@ class SignalError:
 
     @property
     def worst_time(self) -> float:
-        """When it is largest, s."""
+        """The time, s, of the largest error."""
         return float(self.read.time[np.argmax(self.sizes)])
 
 
@@ -174,7 +174,7 @@ def signal_errors(
     peaks: dict[tuple[Channel, str, int], float] = {}
     for _, true, counted in signals:
         sizes = np.hypot.reduce(true.values[counted], axis=1)
-        peaks[_kind(true)] = max(peaks.get(_kind(true), 0.0), float(np.max(sizes, initial=0.0)))
+        peaks[_peak_group(true)] = max(peaks.get(_peak_group(true), 0.0), float(np.max(sizes, initial=0.0)))
     strongest = max((peak for (channel, *_), peak in peaks.items() if channel is Channel.JOINT_FORCE), default=0.0)
 
     def scale(true: Reading) -> float:
@@ -182,19 +182,19 @@ def signal_errors(
         if true.channel is Channel.POSITION:
             return 1.0 if true.columns == ANGLE else scene_size(scene)
         least = FAINT_FORCE * strongest if true.channel is Channel.JOINT_FORCE else 0.0
-        return max(peaks[_kind(true)], least) or 1.0
+        return max(peaks[_peak_group(true)], least) or 1.0
 
     return [SignalError(read, true, scale(true), counted) for read, true, counted in signals]
 
 
-def _kind(reading: Reading) -> tuple[Channel, str, int]:
-    """Which signals share a peak: places of all bodies, or their angles; a force has its own."""
+def _peak_group(reading: Reading) -> tuple[Channel, str, int]:
+    """The key of signals that share a peak: all bodies' places, all angles, or one joint's force."""
     is_force = reading.channel is Channel.JOINT_FORCE
     return (reading.channel, reading.name if is_force else "", reading.columns.start)
 
 
 def _counted(case: Case, reading: Reading) -> Booleans:
-    """Which samples have one true value."""
+    """Which samples (n,) have an error: all of positions and velocities; of others not those at jumps."""
     if reading.channel in (Channel.POSITION, Channel.VELOCITY):
         return np.ones(len(reading.time), dtype=bool)
     return ~has_two_values(case, reading.time)

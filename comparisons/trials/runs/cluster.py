@@ -61,7 +61,7 @@ class DaskPool:
                 yield numbers.pop(future.key), result
 
     def close(self) -> None:
-        """Nothing is left of a list of jobs."""
+        """Do nothing: no state is left behind by a list of jobs."""
 
     def _client(self) -> Any:  # noqa: ANN401 - distributed has no types
         """A connection to the scheduler, by the security that the user's configuration of Dask names."""
@@ -104,7 +104,7 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
 
 
 def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: RunBounds) -> R | Lost:
-    """On a Dask worker: the result of a job in a process of this thread's own."""
+    """On a Dask worker: run a job in a process of this thread's own; its result, or how it was lost."""
     multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
     pool: LocalPool = _THREAD.__dict__.setdefault("pool", LocalPool(1, lasts=True))
     return next(result for _, result in pool.run(function, [job], bounds))

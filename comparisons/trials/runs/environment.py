@@ -19,7 +19,7 @@ INCIDENTAL = ("date", "machine")
 
 
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
-    """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
+    """Facts that decide a figure or a time, by name, JSON-ready: versions, machine, these engines."""
     facts, here = {name: installed_version(name) for name in PACKAGES}, engine_names()
     facts |= {engine.name: engine.version() for engine in adapters([name for name in engines if name in here])}
     return {

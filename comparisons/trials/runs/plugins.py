@@ -40,7 +40,7 @@ class PluginEngine:
         return self.told_version
 
     def why_unavailable(self) -> str | None:
-        """Why it cannot be used, None where it can."""
+        """The reason why it cannot be used; None where it can."""
         return self.absent
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
@@ -61,19 +61,19 @@ class PluginEngine:
         return adapter.run_method(scene, method, step)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """In another process it is the engine itself."""
+        """Pickle as the adapter's name: in another process it is loaded as the engine itself."""
         return registry.engine, (self.name,)
 
 
 def _methods(name: str, scene: Scene) -> tuple[Method, ...]:
-    """In a worker: the methods of a plug-in's engine."""
+    """Run in a worker: the methods of a plug-in's engine for a scene."""
     adapter = registry.engine(name)
     with blamed_on(adapter):
         return adapter.methods(scene) if isinstance(adapter, StudiedEngine) else ()
 
 
 def _facts(name: str) -> tuple[Any, ...]:
-    """In a worker: the values of a ``PluginEngine``; raises AdapterError for a plug-in that cannot be loaded."""
+    """Run in a worker: load a plug-in and return the fields of its ``PluginEngine``; raises AdapterError."""
     adapter = registry.engine(name)
     with blamed_on(adapter):
         if isinstance(adapter, registry.Unusable):
@@ -103,7 +103,7 @@ def engines(names: Sequence[str]) -> list[Engine]:
 
 
 def _known(name: str, told: tuple[Any, ...] | Lost) -> Engine:
-    """A plug-in's engine by what a worker has told of it, or a stand-in by how the worker was lost."""
+    """The engine with the facts that a worker has told, or a stand-in with the reason the worker was lost."""
     if not isinstance(told, Lost):
         return PluginEngine(*told)
     whole = told.outcome in (Failure.ADAPTER_ERROR, Failure.SUITE_ERROR)

@@ -163,7 +163,7 @@ def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float
 
 
 def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
-    """The adapter's own return value, unchecked."""
+    """The adapter's run of a scene, unchecked; arguments as for ``run_engine``."""
     if isinstance(way, Setting):
         return adapter.run(model, way)
     assert step is not None
@@ -247,7 +247,7 @@ def _contract_faults(run: object, model: Scene) -> Iterator[str]:
 
 
 def _history_faults(history: object, model: Scene) -> Iterator[str]:
-    """Violations of the contract by a finished run's history."""
+    """Violations of the contract by a finished run's history, as "expected, got" phrases."""
     if type(history) is not History or not isinstance(history.joint_force, Mapping):
         yield f"a History of a run that finished, got {_shown_value(history)}"
         return
@@ -259,7 +259,7 @@ def _history_faults(history: object, model: Scene) -> Iterator[str]:
 
 
 def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
-    """Violation of the contract by a signal whose samples must have one of these shapes."""
+    """Violations of the contract by a signal, as "expected, got" phrases; ``shapes`` are those of a sample."""
     if type(signal) is not Signal or not isinstance(signal.origin, Origin):
         yield f"a Signal, got {_shown_value(signal)}"
     elif not all(isinstance(part, np.ndarray) and part.dtype.kind in "fiu" for part in (signal.time, signal.values)):
@@ -311,7 +311,7 @@ def gap(time: Array, drive: Drive) -> str:
 
 
 def _part_borders(drive: Drive) -> Array:
-    """Start and end of a motion, and where a part of it ends or its torque has a kink between, s."""
+    """Times, s, at which a motion starts or ends, changes its part, or its torque has a kink."""
     if isinstance(drive, Prescribed):
         return np.array([0.0, *(segment.end for segment in drive.motion.segments)])
     kinks = drive.over_time.times if drive.over_time else ()

@@ -115,7 +115,7 @@ class Runs:
             self.put(key, row, curves or {})
 
     def put(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve]) -> None:
-        """Add a run within a transaction of the caller's."""
+        """Add a run, replacing one of the same key, within a transaction that the caller has begun."""
         facts = {name: value for name, value in row.items() if name not in ("errors", "invariants")}
         text = json.dumps(facts, ensure_ascii=False, allow_nan=False)
         execute, many = self.connection.execute, self.connection.executemany
@@ -189,7 +189,7 @@ _BEGUN: weakref.WeakValueDictionary[Path, Runs] = weakref.WeakValueDictionary() 
 
 
 def temporary_runs() -> Runs:
-    """Runs in a file without a name, which goes with the process."""
+    """Runs in a file without a name, deleted when the process ends."""
     import sqlite3  # noqa: PLC0415
 
     connection = sqlite3.connect("", isolation_level=None)
@@ -267,12 +267,14 @@ def _json_value(value: object) -> object:
 
 def has_study(folder: Path, kind: str) -> bool:
     """Whether a folder has a finished study of this kind, or an older version's."""
-    return (folder / kind / BEFORE).is_file() or _one(folder, "SELECT 1 FROM studies WHERE kind = ?", kind) is not None
+    return (folder / kind / BEFORE).is_file() or _first_row(
+        folder, "SELECT 1 FROM studies WHERE kind = ?", kind
+    ) is not None
 
 
 def unfinished_command(folder: Path) -> str:
     """The command that began what is unfinished in a folder; empty if nothing is."""
-    found: str = _one(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
+    found: str = _first_row(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
     return found
 
 
@@ -283,7 +285,7 @@ def load_study(
 
     Raises LinkproofError where the study is missing, damaged, or of another version.
     """
-    found = _one(folder, "SELECT id, document FROM studies WHERE kind = ?", kind, whole=True)
+    found = _first_row(folder, "SELECT id, document FROM studies WHERE kind = ?", kind, whole=True)
     if found is None:
         raise LinkproofError(f"no results of {kind} in '{folder}': expected the folder given to {kind} --out")
     connection = _open(folder)
@@ -295,8 +297,8 @@ def load_study(
         return document, tuple(read(row, curves) for row, curves in runs.every())
 
 
-def _one(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
-    """The first row of a query about a kind of study, or its only value; None where the folder has no such study."""
+def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
+    """The first row of a query about a kind of study, or its only value; None without such a study."""
     check_folder(folder)
     if kind and (folder / kind / BEFORE).is_file():
         raise LinkproofError(
@@ -331,7 +333,7 @@ def fault_words(error: Exception) -> str:
 
 
 def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
-    """The folder's file; raises LinkproofError for one that is not ours.
+    """A connection to the folder's file; raises LinkproofError for a file that is not linkproof's.
 
     What a killed process left half-written is rolled back, which needs a folder that can be written.
     """
@@ -393,7 +395,7 @@ def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") 
 
 @contextmanager
 def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    """All that is written in the block, or nothing."""
+    """Write everything in the block or, if it raises, nothing."""
     with connection:
         connection.execute("BEGIN IMMEDIATE")
         yield

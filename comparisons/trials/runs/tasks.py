@@ -55,7 +55,7 @@ class TaskList(Generic[R]):
         self._runs = temporary_runs() if self.finished is None else self.finished
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
-        """Count these tasks among those known of; returns those still to be made, each once."""
+        """Add tasks to those known; returns, each once, those without a result."""
         by_key = {task.key: task for task in tasks}
         self._finished += sum(key in self._runs for key in by_key.keys() - self._known)
         self._known |= by_key.keys()

@@ -72,7 +72,7 @@ def start_server(modules: Sequence[str]) -> None:
 
 @contextlib.contextmanager
 def _main_module_hidden() -> Iterator[None]:
-    """A process started here does not import the main module, which has no job in it.
+    """In the block, processes start without importing the main module, which none of their jobs needs.
 
     So a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
@@ -99,7 +99,7 @@ class _Context:
         self.process: _Process | None = None
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - pipes and locks
-        """Whatever else pebble asks of a context."""
+        """Any other attribute, from the wrapped context of multiprocessing."""
         return getattr(self._context, name)
 
     def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - the name that pebble calls
@@ -135,7 +135,7 @@ class _Process:
         process.daemon = True
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
-        """Whatever else pebble asks of a process."""
+        """Any other attribute, from the wrapped process."""
         return getattr(self._process, name)
 
     def start(self) -> None:
@@ -157,7 +157,7 @@ class _Process:
         return _CLEAN_EXIT if code == 0 else code
 
     def end(self) -> str:
-        """How the process ended, within 2 s from now."""
+        """The end of the process in words, after at most 2 s of waiting."""
         self._process.join(_EXIT_TIMEOUT)
         code: int | None = self._process.exitcode
         if code is None:
@@ -194,7 +194,7 @@ class Worker:
         return bool(self.pool.active)
 
     def begin(self, job: tuple[int, bytes, bytes, RunBounds]) -> Future[bytes]:
-        """The pickled result of a job to come; its time begins when the worker takes it."""
+        """Send a job to the worker; returns the future of its pickled result."""
         self.job, (_, function, arguments, bounds) = job, job
         return self.pool.schedule(
             _run_job, (function, arguments, bounds.memory, str(self.output)), timeout=bounds.seconds
@@ -214,7 +214,7 @@ class Worker:
             return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
 
     def _crash(self) -> Lost:
-        """How the process ended in its job; raises LinkproofError if it never began one."""
+        """The loss of a job whose process ended; raises LinkproofError if the process never began one."""
         reason = self.process.end()
         if not self.output.exists():
             raise _start_error(f"one that {reason} at its start")
@@ -232,7 +232,7 @@ class Worker:
 
 
 def _start_error(what: str) -> LinkproofError:
-    """What to say where no worker can be started."""
+    """The error that no worker can be started, with the reason."""
     return LinkproofError(f"expected to start a worker process, got {what}; run with --jobs 0 to do without")
 
 
@@ -265,7 +265,7 @@ def _prepare(output: str) -> None:
 
 
 def _end_with(sentinel: int) -> None:
-    """Kill this worker and all that it has started when its parent dies, as soon as Python code runs."""
+    """Block until the parent dies, then kill this worker and all processes that it started."""
     wait([sentinel])
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)

@@ -151,7 +151,7 @@ class LocalPool:
 def _results_here(
     function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: RunBounds, begun: Begun
 ) -> Iterator[tuple[int, R | Lost]]:
-    """The results of jobs in this process."""
+    """Run the jobs in this process, one after the other, and yield their numbers and results."""
     for number, job in enumerate(jobs):
         begun(number)
         result: R | Lost

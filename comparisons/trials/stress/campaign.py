@@ -59,12 +59,12 @@ class Border(NamedTuple):
 
     @property
     def between(self) -> Cell:
-        """The cell in the middle."""
+        """The cell to run next: that of the middle value."""
         axis, row, engine, usage = self.inside.line
         return cell_at(axes()[axis], row, self.middle, engine, usage)
 
     def is_wide(self, precision: float) -> bool:
-        """Whether to run a cell between the two; a border next to zero is not followed for ever."""
+        """Whether a cell between both values is worth a run: their ratio, or next to zero the value, is large."""
         low, high = self.ends
         worth = axes()[self.inside.axis].narrow and self.outside.verdict not in BOUNDED
         return worth and (high > precision * low if low > 0.0 else high > SMALLEST)
@@ -169,7 +169,7 @@ class Stress:
         return tuple(sorted({result.engine for result in self.results}))
 
     def of(self, *verdicts: StressVerdict) -> tuple[Cell, ...]:
-        """The cells of these verdicts."""
+        """The cells with one of these verdicts."""
         return tuple(result for result in self.results if result.verdict in verdicts)
 
     def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:

@@ -89,7 +89,7 @@ class Cell(RunRecord):
 
     @property
     def line(self) -> tuple[str, str, str, str]:
-        """Axis, row, engine and setting, shared with the cells of other values."""
+        """Axis, row, engine and setting: the key that it shares with cells of other values."""
         return (self.axis, self.row, self.engine, self.setting)
 
     @property
@@ -110,7 +110,7 @@ class Cell(RunRecord):
 
 @cache
 def tables() -> dict[str, Any]:
-    """The axes of the maps, and the words of checks that fail."""
+    """The table of the maps' axes, and the words for each check that may fail."""
     return tomllib.loads(Path(__file__).with_name("axes.toml").read_text(encoding="utf-8"))
 
 
@@ -175,7 +175,7 @@ class Conditions:
 
     @property
     def rate(self) -> float:
-        """The speed, rad/s; where times are scaled, in the scaled time."""
+        """The speed, rad/s, in scaled time where times are scaled."""
         return self.speed * RPM / (self.scale if self.scaled == "time" else 1.0)
 
     @property
@@ -343,7 +343,7 @@ def chosen_axes(names: Iterable[str]) -> list[Axis]:
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:
-    """The settings and methods in which an engine is put on an axis."""
+    """Names of the settings and methods in which an engine is run on an axis."""
     if not axis.methods:
         return list(axis.settings)
     given = scene(axis.rows[0], case(axis.rows[0]))
@@ -415,7 +415,7 @@ def run_cell(cell: Cell) -> Cell:
 
 
 def lost(loss: Lost, cell: Cell) -> Cell:
-    """A cell whose worker gave no result."""
+    """The cell with the verdict for a worker that gave no result."""
     return replace(cell, verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
 
 
@@ -494,7 +494,7 @@ def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engin
 
 
 def _run_to_judge(case: Case, setting: str) -> RunRecord:
-    """A run by the limits of the regime that the motion is most like."""
+    """A record whose setting and regime select the limits by which the cell is judged."""
     regime = case.motion.regime if case.is_prescribed else OWN
     if case.is_prescribed and regime not in REGIMES:
         regime = "run-up" if case.motion.jumps else "run-up-quintic"

@@ -115,7 +115,7 @@ class PointSweep:
         return None if self.ended else self.points[len(self.measurements)]
 
     def add(self, measurement: BenchRun | None) -> None:
-        """Record the measurement of the next point; None if there was no time left for it."""
+        """Record the measurement of the next point; None ends the sweep for lack of time."""
         if measurement is None:
             self.ended = OUT_OF_TIME
         else:
@@ -146,7 +146,10 @@ class PointSweep:
         return setup + min(rates, default=0.0) * (point.run.steps_per_turn or 0.0)
 
     def _why_failed(self) -> str:
-        """Failures end a sweep that worked before, and one that never did after three."""
+        """The last failure in words if it ends the sweep, else "".
+
+        It does if it is lasting, follows a success, or is the third or the last point.
+        """
         last = self.measurements[-1]
         lasting = last.outcome in LASTING_FAILURES
         worked = any(each.outcome == Outcome.FINISHED for each in self.measurements)
@@ -346,7 +349,7 @@ def planned_sweeps(
 
 
 def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
-    """The most advanced method of a single run, or of several extrapolated: an engine names its simplest first."""
+    """The last-named method of one run, or of several runs if ``extrapolated``, as a list; [] without one."""
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
@@ -368,7 +371,7 @@ def blank_run(case: Case, name: str, usage: Setting | Method | None, steps_per_t
 
 
 def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[list[PointSweep]]:
-    """Sweeps that are measured to their ends and repeated, one group after the other: those of a case at a time.
+    """Sweeps in groups, of a case each, to be measured to their ends and repeated one after the other.
 
     Where the time ends first, a linkage of each structure has whole curves, rather than every linkage a point: the
     first case of a structure comes before all that repeat one, single runs before extrapolated ones.

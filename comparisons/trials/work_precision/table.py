@@ -151,7 +151,7 @@ class Bench:
 
     @cached_property
     def noise(self) -> float:
-        """By which share the median of a point's repeats is longer than the shortest, in the median of all points."""
+        """The share by which repeats of a point scatter: median over shortest less 1, in the median of all points."""
         excess = [point.seconds_median / min(point.repeats) - 1.0 for point in self.points if len(point.repeats) > 1]
         return statistics.median(excess) if excess else 0.0
 
@@ -305,7 +305,7 @@ def has_floor(sweep: DataFrame) -> bool:
 
 
 def front(points: DataFrame) -> DataFrame:
-    """The points that no other beats in both time and error, by time."""
+    """The points that no other beats in both time and error, in the order of time."""
     done = points[points.finished]
     unbeaten = pareto(done.total_seconds.to_list(), done.error_max.to_list())
     return done[unbeaten].sort_values("total_seconds", kind="stable")
@@ -322,7 +322,7 @@ def sweep_orders(points: DataFrame) -> dict[tuple[str, str], float]:
 
 
 def choices(points: DataFrame) -> list[Row | None]:
-    """The cheapest point at or below every error of ``WANTED``; None where the engine never gets there.
+    """For every error of ``WANTED`` the cheapest point at or below it; None where there is none.
 
     A point of a sweep counts if the finer ones, down to the sweep's least error, hold the error too.
     """
@@ -357,7 +357,7 @@ class Standing(NamedTuple):
 
 
 def standings(points: DataFrame) -> list[Standing]:
-    """How far off the methods' front each setting is; none of the control."""
+    """How far each setting is from the front of the methods; settings of the control are left out."""
     done = points[points.finished & ~points.is_control]
     methods = [rows(sweep) for sweep in sweeps(done)]
     found = []
