@@ -59,12 +59,12 @@ def refuse_strangers() -> None:
 
 
 def _scheme(linkage: Linkage) -> Any:  # noqa: ANN401 - a figure of matplotlib
-    """What ``Linkage.plot`` draws."""
+    """The figure that ``Linkage.plot`` returns."""
     return import_module("reports.api.designer").check(linkage).plot()
 
 
 def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
-    """A name as it is; whoever has a linkage can draw it from then on."""
+    """The value of a public name, unchanged; for ``Linkage`` and ``load`` it also enables ``Linkage.plot``."""
     if name in ("Linkage", "load"):
         import_module("analytic.description.linkage").Linkage.drawing = staticmethod(_scheme)
     return value

@@ -100,7 +100,7 @@ def effort_words(effort: float | None, unit: str) -> str:
 
 
 def per_turn(record: Row) -> str:
-    """Steps a turn; nothing for a setting."""
+    """Steps per turn as text; "" for a setting."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
@@ -111,7 +111,7 @@ def least_words(sweep: DataFrame) -> str:
 
 
 def noise_share(bench: Bench) -> float:
-    """The share by which two times of one thing may differ here."""
+    """The share by which two times of the same work may differ in this benchmark."""
     return max(LEAST_NOISE, bench.noise)
 
 
@@ -126,7 +126,7 @@ def engine_label(name: str, is_control: bool) -> str:
 
 
 def label_of(points: DataFrame) -> str:
-    """The label of the engine of rows."""
+    """The label of the one engine that all these rows are of."""
     first = points.iloc[0]
     return engine_label(first.engine, first.is_control)
 
@@ -138,12 +138,12 @@ def engine_labels(bench: Bench) -> dict[str, str]:
 
 
 def judged_by(regimes: Regimes) -> str:
-    """The quantities that places are judged by, for a reader."""
+    """The quantities by which the places are judged, in words."""
     return " or ".join(dict.fromkeys(plain(foremost(place)) for places in regimes.values() for place in places))
 
 
 def failed_methods(points: DataFrame) -> tuple[str, ...]:
-    """Methods and settings of an engine that never finished anything, by reason; then what was left out of the rest."""
+    """Methods that never finished, by reason; then what the engine leaves out of the quantities."""
     done = points[points.finished]
     first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()
     names = grouped((f"{row.outcome}: {row.detail}", row.setting or row.engine) for row in first)
@@ -152,12 +152,12 @@ def failed_methods(points: DataFrame) -> tuple[str, ...]:
 
 
 def overhead_words(record: Row) -> str:
-    """The adapter's own share of the stepping."""
+    """The adapter's own share of the stepping in words; "" where it is not known."""
     return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
 
 
 def setting_words(record: Row) -> str:
-    """Error and time of a setting, with the adapter's share where it is known."""
+    """The error and the time of a setting in words, with the adapter's share if it is known."""
     share = "" if record.overhead is None else f", overhead {overhead_words(record)}"
     return f"{error(record.error_max)} in {seconds(record.total_seconds)}{share}"
 
@@ -204,7 +204,7 @@ def _place_printout(place: DataFrame, quantity: str, noise: float) -> Iterator[P
 
 
 def _methods(place: DataFrame, quantity: str) -> Table:
-    """Order, least error with the step and the time there."""
+    """The table of methods: order, and least error with its step and time."""
     rows = []
     for sweep in [sweep for points in engines(place, quantity) for sweep in sweeps(points)]:
         best = least(sweep)
@@ -235,7 +235,7 @@ WHERE = ["mechanism", "regime"]
 
 
 def drawn_error(record: Row) -> float:
-    """The largest error over the peak, between the least and the most that a decade is worth."""
+    """The largest error over the peak, raised or cut to the range that diagrams show."""
     return min(max(record.error_max or 0.0, LEAST), MOST)
 
 
@@ -258,7 +258,7 @@ def _verdict(
     regime: str, group: Sequence[DataFrame], ways: Sequence[Sequence[Sequence[Row | None]]], noise: float
 ) -> str:
     """The cheapest engines under a regime in words; one that is alone the cheapest everywhere is named once."""
-    wins = [(_share(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
+    wins = [(_error_words(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
     leaders = {winners[0][0] if len(winners) == 1 and winners[0][2] == len(ways) else "" for _, winners in wins}
     always = leaders.pop() if len(leaders) == 1 else ""
     judged = judged_by({regime: group})
@@ -267,13 +267,13 @@ def _verdict(
     )
 
 
-def _share(error: float) -> str:
-    """An error over the peak as a reader says it."""
+def _error_words(error: float) -> str:
+    """An error over the peak as text: in per cent, or with an exponent below a thousandth."""
     return f"{100.0 * error:g} %" if error >= 1e-3 else bound(error)
 
 
 def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, int]]:
-    """The engines that are the cheapest somewhere, their times and in how many places, those of most first.
+    """Each engine that is cheapest somewhere: name, its times, and in how many places; the most first.
 
     ``places`` have the choices of every engine. All whose times are within the noise of the least are the cheapest.
     """
@@ -307,21 +307,21 @@ def choices_section(regimes: Regimes, note: str) -> Section:
 def _table(caption: str, corner: str, groups: Regimes) -> Table:
     """A row for every engine of a group; cells that say the same are one."""
     head = (corner, "Engine", *map(bound, WANTED))
-    return Table(caption, head, tuple(blank_repeats(_rows(groups))), "l", style="choices")
+    return Table(caption, head, tuple(blank_repeats(_choice_rows(groups))), "l", style="choices")
 
 
-def _rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
-    """A row per group and engine; equal cells side by side become one."""
+def _choice_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
+    """A row per group and engine; neighbouring cells that are equal are joined."""
     for name, group in groups.items():
         by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
-            each = (_cell(mine, ways) for ways in zip(*map(choices, mine), strict=True))
+            each = (_times_cell(mine, ways) for ways in zip(*map(choices, mine), strict=True))
             cells = [(cell, len(list(same))) for cell, same in groupby(each)]
             yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
 
 
-def _cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> TableCell:
-    """The times of one engine to one error over the mechanisms, by its way in each, and the way that most take."""
+def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> TableCell:
+    """The cell of an engine and an error: its times over the mechanisms and the way most of them take."""
     met = [way for way in ways if way is not None]
     if not met:
         errors = [points.error_max[points.finished].min() for points in engines if points.finished.any()]
@@ -399,7 +399,7 @@ def _point_as_dict(sweep: dict[str, Any], record: Row) -> dict[str, Any]:
 
 
 def _digits(value: object) -> object:
-    """A number to four digits, which is all that a reader sees; anything else as it is."""
+    """A number rounded to four digits; any other value unchanged."""
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
@@ -483,13 +483,13 @@ def page(bench: Bench) -> Page:
 
 
 def cost(bench: Bench) -> tuple[Paragraph, ...]:
-    """What the benchmark says of the engines' cost, for the first page of a report."""
+    """Paragraphs for a report's first page: the cheapest engines by the benchmark."""
     words = verdicts(by_regime(bench), noise_share(bench))
     return tuple(replace(paragraph, role="lead") for paragraph in words)
 
 
 def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
-    """Runs without a result: each reason once, with its places."""
+    """Each reason for runs without a result, once, with the places where it occurred."""
     groups = grouped(
         (f"{label_of(points)}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
         for place in every
@@ -501,7 +501,7 @@ def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
 
 
 def _measured(bench: Bench) -> Section:
-    """The conditions of the measurement, in sentences."""
+    """The section on the conditions of the measurement."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
     sentences = lines("measurement", extent=document["extent"], noise=bench.noise, share=noise_share(bench))
     facts = Facts((

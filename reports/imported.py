@@ -32,7 +32,7 @@ MOST_OTHERS = 4  # causes listed besides the likeliest
 
 
 def share(value: float) -> str:
-    """A ratio in per cent: 13 %, 0.0021 %."""
+    """A ratio as text in per cent: 13 %, 0.0021 %."""
     if value < NOTHING:
         return "0 %"
     digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
@@ -49,7 +49,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
     parts += [f"The crank's motion is taken from {judgement.motion_source}. {limit}"]
     linkage = judgement.model.linkage
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
-    rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
+    rows = [_row(verdict, _worst_place(judgement, verdict)) for verdict in judgement.verdicts]
     parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
     parts += [
         "",
@@ -140,8 +140,8 @@ def _first_names(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
-def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
-    """Where the crank is at the largest error, within a turn where it makes one; of a drive along a line its travel."""
+def _worst_place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
+    """The crank's place at the largest error as text: its angle, or the travel of a linear drive."""
     angle = verdict.worst_angle
     if judgement.model.linkage.is_linear:
         return judgement.model.linkage.phi.text(angle)
@@ -151,7 +151,7 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
-    """The cells of one signal: error, rounding, and both values where the error is largest."""
+    """The cells of one signal: error, limit by rounding, and both values where the error is largest."""
     sign, unit, value = RUNS[verdict.outcome.value], verdict.unit, verdict.unit_value
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.time) else 0.0
@@ -162,7 +162,7 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
 
 
 def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]]:
-    """Every column of the files: the signal and the unit that it was read as, and why, or why it is not judged."""
+    """A row for every column: header and place, signal or "not judged", unit, and the reason."""
     every = {row[1].header: row for row in reversed(judgement.imported.read)}  # a time beside every curve once
     for name, column, _, assumption in reversed(every.values()):
         yield f"'{column.header}' ({column.place})", name, column.unit, assumption

@@ -127,7 +127,7 @@ ROUNDING: Final = 1e-12  # relative: what the file's units leave of a number
 
 
 def model_of(sheet: Sheet) -> Model | str:
-    """The model of a sheet's linkage under its motion, or why the numbers of its page cannot be changed there."""
+    """The model of a sheet's linkage and motion, or the reason why its page can change no numbers."""
     try:
         return model(Mechanism(sheet.linkage), sheet.motion)
     except LinkproofError as error:
@@ -167,7 +167,7 @@ def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
             "speed": 0.0,
             "range": 0.0,
         },
-        "results": [_result(name, mechanism) for name in results(mechanism)],
+        "results": [_result_data(name, mechanism) for name in results(mechanism)],
         "name": linkage.name,
         "numbers": [],
         "groups": [],
@@ -282,7 +282,7 @@ def _load_labels(linkage: Linkage) -> Iterator[str]:
 
 
 def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
-    """A number that the page offers and the file does not have: a load's factor, or the speed."""
+    """The row of a number that the file lacks but the page offers: a load's factor, or the speed."""
     row = {"name": name, "group": "motion and loads", "label": label, "value": value, "si": value, "unit": unit}
     return {**row, "size": 1.0, "role": role, "load": None, "offered": True}
 
@@ -308,7 +308,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
                 "point": load.point,
                 "frame": load.frame,
                 "force": load.force(0.0).tolist() if load.force.is_constant else None,
-                "law": _law(load.force, mechanism) if load.force.over == "S" else None,
+                "law": _law_data(load.force, mechanism) if load.force.over == "S" else None,
                 "when": load.force.when,
             }
             for n, load in enumerate(linkage.forces)
@@ -321,7 +321,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
-    """Every joint with the point that its force is drawn at and the link that it acts on."""
+    """Name, point and loaded link of every joint, for the arrows of forces."""
     for pin in linkage.pins:
         yield from ({"name": joint, "point": pin.point, "on": link} for joint, link in pin.joints.items())
     for slider in linkage.sliders:
@@ -374,13 +374,13 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
     has_ends = cylinder is not None and cylinder.has_ends
     data = {
         "rows": [[laws.index(law), component] for law, _, component in looked_up],
-        "laws": [_law(law, mechanism) for law in laws],
+        "laws": [_law_data(law, mechanism) for law in laws],
         "overTravel": ZERO_OF_S in listed.trace.inputs,
         "motion": {
             **_motion(motion, is_linear=mechanism.linkage.is_linear, has_ends=has_ends),
             "open": _open_places(mechanism, motion),
         },
-        "results": [_result(name, mechanism) for name in results(mechanism)],
+        "results": [_result_data(name, mechanism) for name in results(mechanism)],
         "groups": [
             {"name": dyad.name, "point": getattr(dyad.joints[1], "point", "")} for dyad in mechanism.structure.dyads
         ],
@@ -389,7 +389,7 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
 
 
 def results(mechanism: Mechanism) -> tuple[str, ...]:
-    """The signals that a page computes: what is drawn, plotted, or among the key figures."""
+    """Names of the signals that a page computes: those it draws, plots or tells in key figures."""
     every = signals.names_with_magnitudes(mechanism)
     return tuple(name for name in every if name not in LEFT_OUT and not name.endswith(VELOCITIES))
 
@@ -400,7 +400,7 @@ def loads(linkage: Linkage) -> list[Law]:
 
 
 def load_of(number: Number, linkage: Linkage) -> int | None:
-    """The load that a number is of, among those of ``loads``."""
+    """The index, among ``loads``, of the load that a number belongs to; None for any other number."""
     kind, index, *_ = number.path
     if kind not in ("forces", "torques") or not isinstance(index, int):
         return None
@@ -408,13 +408,13 @@ def load_of(number: Number, linkage: Linkage) -> int | None:
 
 
 def is_of_table(number: Number, linkage: Linkage) -> bool:
-    """Whether a number is a value of a load over φ, which is looked up."""
+    """Whether a number belongs to the table of a load over φ, which the page looks up."""
     load = load_of(number, linkage)
     return load is not None and loads(linkage)[load].angles is not None and loads(linkage)[load].over == "phi"
 
 
 def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
-    """The list of the page's signals with every number free but directions, the sketch and loads over φ."""
+    """The list of operations of the page's signals; the numbers that a page changes are its inputs."""
     every = named_numbers(mechanism.linkage).items()
     free = {
         name for name, number in every
@@ -424,8 +424,8 @@ def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
     return linkage_trace(mechanism, free, results(mechanism), accelerates=accelerates)
 
 
-def _law(law: Law, mechanism: Mechanism) -> dict[str, Any]:
-    """A load over φ as cubics, and which it is."""
+def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
+    """A load over φ for the page: knots, cubics, period and corners, and its number among the loads."""
     knots, pieces = law.pieces()
     load = [curve is law for curve in loads(mechanism.linkage)].index(True)
     return {"knots": knots, "pieces": pieces, "period": law.period or 0, "corners": law.corners, "load": load}
@@ -455,7 +455,7 @@ def _open_places(mechanism: Mechanism, motion: CrankMotion) -> list[float]:
     return [end.place for end in open_ends(mechanism, first, last)]
 
 
-def _result(name: str, mechanism: Mechanism) -> dict[str, Any]:
-    """A signal with the file's unit of it and the unit's size."""
+def _result_data(name: str, mechanism: Mechanism) -> dict[str, Any]:
+    """A signal for the page: its name, its unit in the file, and the unit's size, SI."""
     unit = file_unit(signals.unit(name, mechanism.linkage), mechanism.linkage)
     return {"name": name, "unit": unit.on_page, "size": unit.size}

@@ -150,7 +150,7 @@ def family_title(quantity: str) -> str:
 
 
 def title(quantity: str) -> str:
-    """The name of a quantity in words."""
+    """A quantity's title in words."""
     known = QUANTITIES.get(quantity)
     return known.title if known else quantity if "=" in quantity else worded(quantity)
 
@@ -211,7 +211,7 @@ def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def worst(records: Iterable[Error]) -> Error:
-    """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
+    """The record that uses most of its limit among those of one family and run; one without an error is worst."""
     return max(records, key=lambda record: np.inf if record.error_max is None else share(record))
 
 
@@ -258,8 +258,8 @@ def remedy(run: Iterable[Error]) -> str:
     return f"{check}, and if it passes shorten the step or give its solver more iterations"
 
 
-def _limit(record: Error, limits: LimitTable) -> tuple[float, str]:
-    """The limit of a record and its reason; that of another tool's results is the user's."""
+def _limit_and_reason(record: Error, limits: LimitTable) -> tuple[float, str]:
+    """The limit of a record and the reason for it; for another tool's results it is the user's own."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
     table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine)
@@ -270,7 +270,7 @@ def _limit(record: Error, limits: LimitTable) -> tuple[float, str]:
 def limit_table(results: CampaignResults) -> Table:
     """The limits of these records, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
-    groups = grouped((_limit(record, results.limits), record) for record in every_record(results))
+    groups = grouped((_limit_and_reason(record, results.limits), record) for record in every_record(results))
     rows = []
     for (value, reason), records in groups.items():
         families = {family(record.quantity) for record in records}
@@ -301,14 +301,14 @@ def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
 
     Quantities of a run that have no value any more share a row.
     """
-    rows = [_row(entry) for entry in changes if entry.fails and entry.after is not None]
+    rows = [_change_row(entry) for entry in changes if entry.fails and entry.after is not None]
     gone = grouped(((entry.run, entry.kind), entry) for entry in changes if entry.fails and entry.after is None)
-    rows += [_row(entries[0], len(entries)) for entries in gone.values()]
+    rows += [_change_row(entries[0], len(entries)) for entries in gone.values()]
     return (Table(CAPTION, HEAD, rows, align="lllllrrlr"),) if rows else ()
 
 
-def _row(entry: Change, count: int = 1) -> tuple[str, ...]:
-    """The row of a change, or of ``count`` quantities of a run that have vanished or failed alike."""
+def _change_row(entry: Change, count: int = 1) -> tuple[str, ...]:
+    """The row of a change; with ``count``, of so many quantities of a run that changed alike."""
     mechanism, variant, regime, _, engine, setting, quantity = entry.place
     place = (f"{mechanism} ({variant})", regime, f"{engine} {setting}".rstrip())
     is_figure = engine == CLOSED_FORM
@@ -339,7 +339,7 @@ READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
 def origin_words(records: Sequence[Error], runs: int) -> str:
-    """Of results made of ``runs``: "1 run, read", "read in part", "4 runs, extrapolated", "control", "imported"."""
+    """The origin of a run's results in words: "1 run, read", "4 runs, extrapolated", "control"."""
     words = [record for record in records if record.origin]
     if not words:
         return ""

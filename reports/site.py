@@ -53,22 +53,22 @@ class Contents:
     sheets: tuple[Sheet, ...]
 
     def __reduce__(self) -> tuple[type[Contents], tuple[Path, tuple[Sheet, ...]]]:
-        """Another process reads the studies for itself."""
+        """Pickle the folder and sheets only: another process reads the studies for itself."""
         return Contents, (self.path, self.sheets)
 
     @cached_property
     def campaign(self) -> CampaignResults | None:
-        """The campaign."""
+        """The campaign in the folder; None without one."""
         return campaign.load(self.path) if campaign.is_saved(self.path) else None
 
     @cached_property
     def bench(self) -> Bench | None:
-        """The benchmark."""
+        """The benchmark in the folder; None without one."""
         return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
 
     @cached_property
     def stress(self) -> Stress | None:
-        """The stability maps."""
+        """The stability maps in the folder; None without any."""
         return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
 
     @property
@@ -114,7 +114,7 @@ class Contents:
         return replace(mechanism_page.page(sheet, self.campaign), file=file)
 
     def _studies(self) -> Iterator[Words]:
-        """A link to the page of each benchmark and stability map, with a sentence."""
+        """For each benchmark and stability map a link to its page, with a sentence."""
         if self.bench is not None:
             yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
         if self.stress is not None:

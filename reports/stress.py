@@ -62,7 +62,7 @@ def axis_title(name: str) -> str:
 
 
 def value_words(value: float | None) -> str:
-    """A value of an axis to three digits: 1e-6, 0.0123, 200, 1e4."""
+    """A value of an axis as text, to three digits: 1e-6, 0.0123, 200, 1e4."""
     if value is None:
         return ABSENT
     plain, short = printed(float(f"{value:.3g}")), bound(value)
@@ -70,7 +70,7 @@ def value_words(value: float | None) -> str:
 
 
 def border_words(border: Border) -> str:
-    """``0.001, over limit at 7.2e-4``."""
+    """A border as text: "0.001, over limit at 7.2e-4"."""
     return f"{value_words(border.inside.value)}, {border.outside.verdict.value} at {value_words(border.outside.value)}"
 
 
@@ -87,7 +87,7 @@ FLAGGED = "Flagged: "  # separates the fault from the checks' messages in a reas
 def map_data(stress: Stress, axis: str) -> dict[str, Any]:
     """The map of one axis, JSON-ready: for its script and its figure."""
     known, values = axes()[axis], stress.columns[axis]
-    rows = grouped((line[1], _line(stress, line, values)) for line in stress.lines if line[0] == axis)
+    rows = grouped((line[1], _line_data(stress, line, values)) for line in stress.lines if line[0] == axis)
     return {
         "axis": axis,
         "title": known.title,
@@ -99,9 +99,9 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
     }
 
 
-def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
-    """The cells of one engine and usage, None without a run; a border stands left of each of ``bars``."""
-    cells = {result.value: _cell(result) for result in stress.lines[line]}
+def _line_data(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
+    """A line of the map, JSON-ready: engine, usage, cells (None without a run) and its borders."""
+    cells = {result.value: _cell_data(result) for result in stress.lines[line]}
     borders = [border for border in stress.borders if border.inside.line == line]
     return {
         "engine": line[2],
@@ -112,8 +112,8 @@ def _line(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]
     }
 
 
-def _cell(result: Cell) -> dict[str, Any]:
-    """The number of its verdict, its story, and the command that repeats it."""
+def _cell_data(result: Cell) -> dict[str, Any]:
+    """A cell of the map, JSON-ready: the number of its verdict, its facts and its command."""
     sign = list(SIGNS).index(result.verdict)
     return {"verdict": sign, "story": cell_facts(result), "command": result.command}
 
@@ -214,7 +214,7 @@ def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "")
 
 
 def _compact(count: Counter[StressVerdict]) -> TableCell:
-    """``12✓ 3○ 2!``, in the colour of the worst."""
+    """Counts of verdicts as one cell, ``12✓ 3○ 2!``, in the colour of the worst."""
     text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
     loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
     fine = count[StressVerdict.WITHIN] and not any(count[fault] for fault in FAULTS)

@@ -61,7 +61,7 @@ class _WatchedFile:
         self._fault = ""
 
     def page(self) -> Mapping[str, bytes]:
-        """The files of the page of the file as it is now, and its state."""
+        """The page's files by name, for the linkage file as it is now, with the state that identifies them."""
         with self._lock:
             state = self._file_digest()
             if state.encode() != self._files["state"]:
@@ -69,7 +69,7 @@ class _WatchedFile:
             return self._files
 
     def save(self, text: str, state: str) -> None:
-        """Replace the file that a page of ``state`` shows; its line ends stay. Raises LinkproofError."""
+        """Replace the file by a page's text, if its ``state`` is still current; raises LinkproofError."""
         with self._lock:
             if self._file_digest() != state:
                 raise LinkproofError(
@@ -89,7 +89,7 @@ class _WatchedFile:
         return "no file"
 
     def _build_files(self, state: str) -> dict[str, bytes]:
-        """The files of the page of the linkage; an error in its file stands above what was last without one."""
+        """The page's files by name; a fault in the linkage file is shown above the last good page."""
         name = self.path.name
         self._fault = ""
         try:
@@ -142,7 +142,7 @@ class PageServer(ThreadingHTTPServer):
         self.address = self.site + self.folder
 
     def process_request(self, request: socket, client_address: object) -> None:  # type: ignore[override]
-        """Answer a request in a thread of its own; the oldest of too many has no answer."""
+        """Answer a request in a thread of its own; too many requests end the oldest unanswered."""
         self._open[request] = None
         if len(self._open) > MOST_OPEN:
             with suppress(OSError):  # it has just ended
@@ -152,12 +152,12 @@ class PageServer(ThreadingHTTPServer):
         super().process_request(request, client_address)
 
     def shutdown_request(self, request: socket) -> None:  # type: ignore[override]
-        """End a request, which is none of the open ones any more."""
+        """Close a request and forget it."""
         self._open.pop(request, None)
         super().shutdown_request(request)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print an error of the server, but for a browser that has disconnected."""
+        """Print an error of the server, unless a browser has only disconnected."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 
@@ -167,16 +167,16 @@ class _Request(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """A file of the page."""
-        name = self._name()
+        """Send a file of the page."""
+        name = self._requested_file()
         if name is not None:
             content = self.server.page().get(name or "index.html")
             status = HTTPStatus.NOT_FOUND if content is None else HTTPStatus.OK
             self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
-        """The text that a click on the page saves."""
-        name, length = self._name(), self.headers.get("Content-Length", "")
+        """Save the text that a click on the page sends."""
+        name, length = self._requested_file(), self.headers.get("Content-Length", "")
         if name is None:
             return
         is_short = length.isascii() and length.isdecimal() and len(length) <= len(str(MOST)) and int(length) <= MOST
@@ -190,8 +190,8 @@ class _Request(BaseHTTPRequestHandler):
         else:
             self._send_response(HTTPStatus.OK)
 
-    def _name(self) -> str | None:
-        """The file that is requested; None where the request is refused: it is not this page's, nor a reader's own."""
+    def _requested_file(self) -> str | None:
+        """The requested file; None, after refusing, for a request that is not from this page."""
         folder, site, headers = self.server.folder, self.server.site, self.headers
         is_known = secrets.compare_digest(self.path[: len(folder)].encode(), folder.encode())
         if is_known and (headers.get_all("Host"), headers.get("Origin", site)) == ([site[len("http://") :]], site):
@@ -209,4 +209,4 @@ class _Request(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, *_: object) -> None:
-        """Nothing: requests are not news."""
+        """Log nothing."""

@@ -89,7 +89,7 @@ def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> t
 
 
 def installed(engines: Sequence[str]) -> list[str]:
-    """The installed engines among these."""
+    """Those of these engines that can be used here."""
     return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
 
 
@@ -102,7 +102,7 @@ def missing_engines(engines: Sequence[str]) -> str:
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
-    """Named engines, each once; raises LinkproofError for an engine that cannot be used here."""
+    """The named engines, each once; raises LinkproofError for one that cannot be used here."""
     for adapter in adapters(engines):
         absent = why_unavailable(adapter)
         if absent is not None:
@@ -119,7 +119,7 @@ def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def requested_settings(names: Sequence[str]) -> tuple[Setting, ...]:
-    """The settings of these names, tuned where none is named; raises UnknownNameError."""
+    """The settings of these names, each once; tuned for no name, all for "all". Raises UnknownNameError."""
     if EVERYTHING in names:
         return tuple(Setting)
     for name in names:
@@ -201,7 +201,7 @@ def run_resources(bounds: Asked) -> RunResources:
 
 
 def rows_before(place: Path) -> list[Error]:
-    """The rows of a file, or of the comparison in a results folder; raises LinkproofError for anything else."""
+    """The recorded rows of a CSV file or of a results folder's comparison; raises LinkproofError."""
     return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
 

@@ -28,7 +28,7 @@ STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that
 
 
 def check_judgement(motion: Asked, limit: float) -> None:
-    """Raise LinkproofError for bad options, before a file is read."""
+    """Raise LinkproofError for bad options of ``judge``, before any file is read."""
     check_motion(motion)
     if not 0.0 < limit < math.inf:
         raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {limit:g}")
@@ -46,15 +46,15 @@ def judge_files(
     return judge_results(
         model,
         imported,
-        _motion(motion, model, imported),
+        _stated_motion(motion, model, imported),
         limit=limit,
         start_angle=math.radians(motion.start_angle),
         gives_speed=motion.speed is not None,
     )
 
 
-def _motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> DriverMotion | None:
-    """The motion of the regime; constant speed for a speed alone or signals over φ; None if the file's columns give it.
+def _stated_motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> DriverMotion | None:
+    """The driver's motion by the options: of a regime, at constant speed, or None if the files give it.
 
     Raises LinkproofError for signals over φ under a speed that changes, since they do not say when.
     """

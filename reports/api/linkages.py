@@ -49,14 +49,14 @@ def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: boo
 
 
 def word_of(given: LinkageLike) -> str:
-    """The word by which a command names a linkage."""
+    """The word by which a command names a linkage: the path or name as given, or its name."""
     if isinstance(given, Mapping):
         return str(given.get("title", "linkage"))
     return given.name if isinstance(given, Linkage) else str(given)
 
 
 def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
-    """The linkage in the variant of a motion, its word in a command, the motion with the variant of a loaded one."""
+    """The linkage in the motion's variant, the word a command names it by, and the motion with that variant."""
     chosen = load_linkage(given, motion.variant)
     if isinstance(given, str | Path):
         return chosen, str(given), motion

@@ -143,7 +143,7 @@ def _default_case(options: Asked, mechanism: Mechanism) -> Case:
 
 
 def offered_regimes(options: Asked) -> tuple[str, ...]:
-    """Regimes that every linkage can have under these options."""
+    """Names of the regimes that these options allow for every linkage."""
     return tuple(LAWS) if options.swings else REGIMES
 
 
@@ -162,7 +162,7 @@ def check_motion(options: Asked) -> None:
 
 
 def _check_turning(options: Asked) -> None:
-    """Raise LinkproofError for an impossible motion of a crank that turns on."""
+    """Raise LinkproofError for options that make no motion of a crank that turns on."""
     for name in options.regime:
         if name in LAWS and name not in REGIMES:
             raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
@@ -174,7 +174,7 @@ def _check_turning(options: Asked) -> None:
 
 
 def _check_swing(options: Asked) -> None:
-    """Raise LinkproofError for an impossible motion from one angle to another."""
+    """Raise LinkproofError for options that make no motion from one angle to another."""
     start, end = options.from_angle, options.to_angle
     if start is None or end is None:
         given, lacking = ("--to", "--from") if start is None else ("--from", "--to")
@@ -218,7 +218,7 @@ def _motions(options: Asked) -> tuple[CrankMotion, ...]:
 
 
 def _motion(options: Asked, name: str) -> CrankMotion:
-    """The motion of a regime, in SI."""
+    """The motion of a regime by name, SI, with the options' speed, times and angles."""
     speed = abs(options.rpm) * RPM
     if options.from_angle is not None and options.to_angle is not None:
         return swing(name, math.radians(options.from_angle), math.radians(options.to_angle), speed=speed)
@@ -262,7 +262,7 @@ def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tu
 
 
 def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
-    """Travels at which a motion begins and ends, m."""
+    """Travels, m, at which a linear drive's motion begins and ends."""
     if options.from_angle is not None and options.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
         return options.from_angle * size, options.to_angle * size

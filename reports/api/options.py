@@ -112,13 +112,13 @@ def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN40
 
 
 def option_groups(function: Callable[..., Any]) -> dict[str, type]:
-    """The parameters of a function whose defaults are dataclasses of options, with those."""
+    """The dataclasses of options among a function's defaults, by the name of the parameter."""
     parameters = inspect.signature(function).parameters.values()
     return {each.name: type(each.default) for each in parameters if is_dataclass(type(each.default))}
 
 
 def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
-    """The type of the members of a tuple or a sequence, beside which others may stand; None for another type."""
+    """The type of a tuple's or sequence's members, Path if that is one of several; None for another type."""
     kinds = (kind, *get_args(kind))
     member = next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
     return Path if Path in get_args(member) else member
@@ -173,7 +173,7 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
 
 
 def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
-    """A name, or several names, as a tuple."""
+    """One value, or several, as a tuple."""
     is_one = isinstance(given, str | Path | Mapping) or not isinstance(given, Iterable)
     return (given,) if is_one else tuple(given)
 
@@ -220,7 +220,7 @@ def command_line(function: Callable[..., Any], given: Mapping[str, Any], without
 
     ``given`` are the arguments of the function by name; groups and options ``without`` are left out.
     """
-    pairs = [(option, value) for option, value, group in _pairs(function, given) if group not in without]
+    pairs = [(option, value) for option, value, group in _options_with_values(function, given) if group not in without]
     pairs = [(option, value) for option, value in pairs if option.field.name not in without]
     arguments = [str(word) for o, value in pairs if isinstance(o.info, Argument) for word in _values_of(value)]
     changed = {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
@@ -233,8 +233,10 @@ def _option_words(changed: Mapping[str, tuple[str, ...]]) -> list[str]:
     return [*valued, *(f"--{name}" for name, values in changed.items() if not values)]
 
 
-def _pairs(function: Callable[..., Any], given: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any, str]]:
-    """The options of a function with their values, and the name of the group that they are in."""
+def _options_with_values(
+    function: Callable[..., Any], given: Mapping[str, Any]
+) -> Iterator[tuple[DeclaredOption, Any, str]]:
+    """Each option of a function, its value, and the name of its group, "" for one without a group."""
     for option in declared_options(function):
         yield option, given[option.field.name], ""
     for group, kind in option_groups(function).items():
@@ -254,14 +256,14 @@ def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401
 
 
 def option_words(options: Any) -> list[str]:  # noqa: ANN401 - a dataclass
-    """The same as words of a command."""
+    """The changed options as words of a command."""
     return _option_words(changed_options(options))
 
 
 def changed_arguments(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments, and options that affect the results, that differ from their defaults; those of groups by group."""
     changed: dict[str, Any] = {}
-    for option, value, group in _pairs(function, given):
+    for option, value, group in _options_with_values(function, given):
         if value != option.field.default and (isinstance(option.info, Argument) or option.info.affects_results):
             (changed.setdefault(group, {}) if group else changed)[option.field.name] = value
     return changed
@@ -270,14 +272,14 @@ def changed_arguments(function: Callable[..., Any], given: Mapping[str, Any]) ->
 def with_arguments(
     function: Callable[..., Any], given: Mapping[str, Any], changed: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The arguments of a call with those of another one, as ``changed_arguments`` has them."""
+    """The arguments of a call, those in ``changed`` replaced; ``changed`` as from ``changed_arguments``."""
     groups = {name: replace(given[name], **changed.get(name, {})) for name in option_groups(function)}
     own = {option.field.name for option in declared_options(function)}
     return {**given, **{name: value for name, value in changed.items() if name in own}, **groups}
 
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
-    """The words of an option as typed; none of a flag."""
+    """An option's value as words of a command; no word for a flag."""
     if isinstance(value, bool):
         return ()
     if isinstance(value, Mapping):
@@ -287,7 +289,7 @@ def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN4
 
 
 def range_word(name: str, values: Any) -> str:  # noqa: ANN401 - of a mapping of names
-    """A number with its range in the form of the command line."""
+    """A number's name with its range as the command line takes it: "rod.B.x=170:180"."""
     if values is None:
         return name
     if isinstance(values, tuple):
@@ -296,7 +298,7 @@ def range_word(name: str, values: Any) -> str:  # noqa: ANN401 - of a mapping of
 
 
 def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
-    """The members of a tuple, or a single value; empty for None."""
+    """The members of a tuple, or a single value as the only member; nothing for None."""
     return value if isinstance(value, tuple) else () if value is None else (value,)
 
 

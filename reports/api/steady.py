@@ -92,7 +92,7 @@ def optimisation_request(
 
 
 def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
-    """The options by which ``compare`` checks the best design under the same motion; its file has one variant."""
+    """The options with which ``compare`` checks the best design under the same motion."""
     same = replace(motion.motion, variant=None)
     if SPEED in best.after:
         unit = best.problem.case.linkage.phi.speed_unit

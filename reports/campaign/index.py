@@ -104,7 +104,7 @@ class EngineRecords:
 
     @property
     def failed(self) -> bool:
-        """Whether any record counts against the engine."""
+        """Whether any of the judged records failed."""
         return any(Verdict(record.outcome).failed for record in self.judged)
 
 
@@ -139,7 +139,7 @@ class EngineRanking:
 
     @cached_property
     def controls(self) -> frozenset[str]:
-        """Names of the controls, that is, of the reference's second derivation."""
+        """Names of the engines that are the reference's second derivation."""
         return frozenset(record.engine for record in self.results.records if record.origin == CONTROL)
 
     @cached_property
@@ -190,7 +190,7 @@ class EngineRanking:
 
     @cached_property
     def checks(self) -> frozenset[str]:
-        """Names of what needs no reference."""
+        """Names of the invariants, which need no reference."""
         return frozenset(record.quantity for record in self.results.invariants)
 
     @cached_property
@@ -245,14 +245,14 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
 
 
 def _has_failed(results: CampaignResults) -> bool:
-    """Whether the campaign has failed, in any engine, or by a change since its results were recorded."""
+    """Whether a deciding run failed or a change since the recorded results fails."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
     return failed or any(entry.fails for entry in results.changes)
 
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
-    """A sentence on the engines' naive settings, which decide nothing."""
+    """A sentence on which engines are within limits at their naive settings, which decide nothing."""
     ran = {name: trust.row(name, Setting.NAIVE.value) for name in engines}
     over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
     within = Names(name for name, cells in ran.items() if cells and name not in over)
@@ -309,7 +309,7 @@ def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
 
 
 def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
-    """The worst engine of a mechanism at the deciding setting, in words."""
+    """The engine of a mechanism with the worst error at the deciding setting, in words."""
     setting = trust.settings[0]
     records = [
         record
@@ -405,7 +405,7 @@ def picture(trust: EngineRanking) -> Widget:
 
 
 def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
-    """The dots of every engine, which have their worst error's curve behind them."""
+    """The dots of every engine for the picture, each with the address of its worst curve, JSON-ready."""
     for engine, look in looks(trust.engines, trust.controls).items():
         cells = {setting: trust.cell(engine, setting, name) for setting in trust.settings}
         known = {setting: cell for setting, cell in cells.items() if cell.error is not None and cell.worst is not None}
@@ -493,7 +493,7 @@ def _first_reason(records: EngineRecords) -> str:
 
 
 def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
-    """A class of the style sheet; what decides nothing has no colour."""
+    """The style class of a cell; none for a setting that decides nothing."""
     if trust.is_idle(setting):
         return "muted"
     return "over" if records.failed else "pass"
@@ -543,7 +543,7 @@ def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, 
 
 
 def _reasons(trust: EngineRanking) -> list[str]:
-    """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
+    """Reasons why engines gave no results, each once per engine, with the settings concerned."""
     runs = dict.fromkeys((record.engine, record.setting) for record in trust.results.records)
     records = [record for run in runs for record in trust.records(*run)]
     groups = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
@@ -578,7 +578,7 @@ def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[Sec
 
 
 def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
-    """Everything that decides a figure or a time of the report."""
+    """Name and value of everything that decides a figure or a time of the report."""
     engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
     imported = "judgement" in results.document

@@ -85,5 +85,5 @@ def _outcome_counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """A text without the characters that XML has not."""
+    """The text without characters that XML does not allow."""
     return ILLEGAL.sub("�", text)

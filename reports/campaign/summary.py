@@ -17,7 +17,7 @@ from reports.records import changes_table, limit_table, views
 
 
 def markdown(results: CampaignResults) -> str:
-    """The summary of a campaign."""
+    """The summary of a campaign in Markdown."""
     facts = results.document.get("judgement", [])
     trust = EngineRanking(results)
     title = "Results of another tool against the closed form" if facts else "Engines against the closed form"

@@ -79,7 +79,7 @@ def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
 
 
 def _counts(changes: Sequence[Change]) -> list[str]:
-    """How many results are not as they were recorded, in a line."""
+    """How many results changed since they were recorded, by kind, as one line; none without changes."""
     counts = Counter(entry.kind for entry in changes if entry.fails)
     return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 
@@ -111,7 +111,7 @@ def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
 
 
 def _worst(records: Iterable[Error], row: str) -> Error | None:
-    """The record of a run that stands in a row; of several the one with the largest error."""
+    """The record with the largest error among a run's records of one row of the table; None without any."""
     candidates = [record for record in records if family(record.quantity) == row]
     return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
 
@@ -143,7 +143,7 @@ def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
 
 
 def _reasons(runs: Iterable[RunRecord]) -> list[str]:
-    """Why runs gave nothing, or nothing that is judged; each reason once, with where."""
+    """Reasons why runs gave nothing that is judged, each once, with the places."""
     records = (
         record
         for run in runs
@@ -160,7 +160,7 @@ def _is_within(record: Error) -> bool:
 
 
 def _remedies(runs: Iterable[RunRecord]) -> list[str]:
-    """What to do about runs over their limits, each sentence once, with its places."""
+    """Advice on runs over their limits, each sentence once, with the places it holds for."""
     where = grouped(
         ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := remedy(run.every))
     )

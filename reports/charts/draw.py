@@ -71,7 +71,7 @@ def drawn(width: float, height: float, draw: Callable[[Figure], object], *, plac
 
 
 def inches(host: Host) -> Array:
-    """Width and height of a figure or a part of one, in."""
+    """Width and height, in, of a figure or of a part of one."""
     return np.array(host.bbox.size) / host.dpi
 
 
@@ -103,7 +103,7 @@ def axis_label(name: str, unit: str) -> str:
 
 
 def finish(axes: Axes, x_label: str = "", y_label: str = "", *, turn: bool = False, equal: bool = False) -> None:
-    """Labels, limits and lines at zero of axes with all their curves; ``turn``: x is a whole turn, in degrees.
+    """Set labels, limits and lines at zero of axes that have all their curves.
 
     A flat curve stands in the middle whatever its rounding, and magnitudes stand above zero. ``equal`` is one scale.
     """
@@ -159,7 +159,7 @@ def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> b
 
 
 def _dark(text: str) -> str:
-    """Rules that turn the colours a drawing has."""
+    """CSS rules that replace the drawing's colours in a dark scheme."""
     return "".join(
         f'[style*="{what}: {light}"],[{what}="{light}"]{{{what}:{dark}!important}}'
         for light, dark in DARK.items()

@@ -36,7 +36,7 @@ class KinematicScheme:
 
     @cached_property
     def scale(self) -> float:
-        """Length of a metre in the drawing's unit."""
+        """Length, in the drawing's unit, of one metre."""
         return 1.0 / file_unit("m", self.linkage).size
 
     @property
@@ -53,7 +53,7 @@ class KinematicScheme:
         return self.scale * np.stack([x + c * u - s * v, y + s * u + c * v], axis=1)
 
     def at(self, course: Array) -> Array:
-        """Values over all positions, (..., n), at the position drawn out."""
+        """Values over all positions, (..., n), interpolated at the position drawn out: (...,)."""
         where = self.positions.axis[self.shown_indices[self.clearest]] if self.where is None else self.where
         rows = course.reshape(-1, course.shape[-1])
         return np.array([np.interp(where, self.positions.axis, row) for row in rows]).reshape(course.shape[:-1])
@@ -86,7 +86,7 @@ class KinematicScheme:
 
     @cached_property
     def clearest(self) -> int:
-        """The one of the few positions whose moving points lie farthest apart."""
+        """Index, among the shown positions, of the one whose moving points lie farthest apart."""
         places = np.array(
             [path[:, self.shown_indices] for point, path in self.paths.items() if self.carriers[point] != GROUND]
         )
@@ -188,7 +188,7 @@ def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> No
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """All positions faintly, one drawn out; ``size`` is a pin's radius. The axes' limits are the caller's."""
+    """Draw all positions faintly and one in full; ``size``, m, is a pin's radius. Sets no limits of the axes."""
     _ghosts(axes, scheme)
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size)
@@ -197,7 +197,7 @@ def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: bool = True) -> None:
-    """The position drawn out: guides, links, springs, mass centres, joints."""
+    """Draw one position in full: guides, links, springs, joints and, if wanted, mass centres."""
     _guides(axes, scheme, size)
     _links(axes, scheme, size)
     if masses:
@@ -206,7 +206,7 @@ def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: b
 
 
 def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
-    """Every link in every position, as thin lines."""
+    """Draw every link in every position, as thin lines."""
     for name, link in scheme.linkage.links.items():
         corners = symbols.outline(np.array(list(link.points.values())).reshape(-1, 2))
         ring = np.vstack([corners, corners[: len(corners) > 2]])
@@ -215,7 +215,7 @@ def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
-    """The curve of every moving point: the output's broad, those of a coupler's own points in colour."""
+    """Draw the curve of every moving point: the output's broad, those of a coupler's own points in colour."""
     linkage = scheme.linkage
     output = linkage.output.point if linkage.output else None
     free = sorted(set(scheme.paths) - scheme.joined - set(linkage.ground) - {output})
@@ -229,7 +229,7 @@ def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
-    """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
+    """Write 0 to 11 around the crank pin's circle, except at the drawn position and under names."""
     linkage = scheme.linkage
     if linkage.is_linear:
         return
@@ -247,7 +247,7 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Guides of sliders and slots, over the travel they see; a rail is where no links lead to the slider."""
+    """Draw guides of sliders and slots over their travel; a rail where no links lead to the slider."""
     for guide, body, point in scheme.runs:
         start, end = scheme.travel(guide, body, point)
         with label_part(axes, guide.host):
@@ -259,7 +259,7 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Links, springs, a cylinder, blocks of sliders."""
+    """Draw links, springs, a cylinder and the blocks of sliders."""
     for number, (name, link) in enumerate(scheme.linkage.links.items()):
         spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
@@ -275,7 +275,7 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Mass centres of turning links that are clear of the joints, tied to their link."""
+    """Draw the mass centres of turning links that are clear of the joints, tied to their link."""
     joints = np.array(list(scheme.spots.values()))
     for name, link in scheme.linkage.links.items():
         if link.inertia is not None and link.points:
@@ -286,7 +286,7 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Pins, fixed pivots, pins in slots, and the points where nothing is pinned."""
+    """Draw pins, fixed pivots, pins in slots, and points where nothing is pinned."""
     linkage = scheme.linkage
     shared = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (shared & set(linkage.ground))
@@ -297,7 +297,7 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
-    """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
+    """Write the points' names on the side that no link leaves from; returns their places, (names, 2), m."""
     places = []
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
@@ -315,7 +315,7 @@ def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
 
 
 def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
-    """Centred text."""
+    """Write centred text at a place."""
     axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=FONT_SIZE, **style)
 
 
@@ -341,7 +341,7 @@ def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -
 
 
 def _draw_thread(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
-    """Links, eyes' paths and the contour; the axes' limits are the caller's."""
+    """Draw links, eyes' paths and the thread's contour; sets no limits of the axes."""
     for path in thread.paths.values():
         symbols.line(axes, scheme.scale * path.T, 1.0, 2.0, GHOST, linestyle=(0, (3, 2)))
     draw_position(axes, scheme, size)

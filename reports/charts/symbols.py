@@ -28,18 +28,18 @@ def outline(points: Array) -> Array:
 
 
 def unit(span: ArrayLike) -> Array:
-    """The direction of a vector, (2,); nothing of one without length."""
+    """The unit vector, (2,), along a vector; zeros for one without length."""
     vector = np.asarray(span, dtype=float)
     return np.asarray(vector / (float(np.hypot(*vector)) or 1.0))
 
 
 def left(vector: Array) -> Array:
-    """A vector turned by a quarter."""
+    """A vector turned by a quarter of a turn counter-clockwise."""
     return np.array([-vector[1], vector[0]])
 
 
 def line(axes: Axes, places: ArrayLike, width: float, layer: float, ink: str = INK, **style: Any) -> None:  # noqa: ANN401
-    """A line through (n, 2) places."""
+    """Draw a line through (n, 2) places; ``layer`` decides what covers what."""
     axes.add_artist(Line2D(*np.transpose(places), color=ink, linewidth=width, zorder=layer, **style))
 
 
@@ -55,7 +55,7 @@ def _box(start: Array, end: Array, half: float) -> list[Array]:
 
 
 def bar(axes: Axes, points: Array, layer: float) -> None:
-    """A link: a round-ended bar between two points, a plate for three or more."""
+    """Draw a link: a round-ended bar between two points, a plate for three or more."""
     corners = outline(points)
     if len(corners) > 2:
         _area(axes, corners, 1.56, layer, PLATE)
@@ -64,18 +64,18 @@ def bar(axes: Axes, points: Array, layer: float) -> None:
 
 
 def cylinder(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """A driver between two points: its barrel from the first to the middle, its rod to the second."""
+    """Draw a cylinder: its barrel from the first point to the middle, its rod on to the second."""
     line(axes, (start, end), 1.6, 6.0)
     _area(axes, _box(start, 0.5 * (start + end), size), 1.2, 6.1)
 
 
 def pin(axes: Axes, place: Array, size: float, layer: float = 8.0) -> None:
-    """A revolute joint."""
+    """Draw a revolute joint."""
     axes.add_patch(Circle((place[0], place[1]), size, facecolor=PAPER, edgecolor=INK, linewidth=1.0, zorder=layer))
 
 
 def fixed_pivot(axes: Axes, place: Array, size: float) -> None:
-    """A pin on the ground: a triangle on a hatched line, and the pin on top."""
+    """Draw a pin on the ground: a triangle on a hatched line, and the pin on top."""
     feet = [place - (reach * size, 3.4 * size) for reach in (3.2, 2.0, -2.0, -3.2)]
     _area(axes, [place, *feet[1:3]], 0.9, 6.5)
     hatched_line(axes, feet[0], feet[3], size)
@@ -83,7 +83,7 @@ def fixed_pivot(axes: Axes, place: Array, size: float) -> None:
 
 
 def hatched_line(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """Ground: a line with short strokes on its right side, seen from start to end."""
+    """Draw ground: a line with short strokes on its right side, seen from start to end."""
     along = unit(end - start)
     feet = start + np.outer(np.arange(0.5 * size, float(np.hypot(*(end - start))), 1.25 * size), along)
     strokes = [(foot, foot - 1.1 * size * (left(along) + along), (np.nan, np.nan)) for foot in feet]
@@ -92,12 +92,12 @@ def hatched_line(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def slider(axes: Axes, place: Array, along: Array, size: float) -> None:
-    """The block of a slider, lying along its guide."""
+    """Draw the block of a slider, lying along its guide."""
     _area(axes, _box(place - 2.6 * size * along, place + 2.6 * size * along, 1.6 * size), 1.0, 7.0, PLATE)
 
 
 def guide(axes: Axes, start: Array, end: Array, side: float, size: float) -> None:
-    """A guide on the ground over a slider's travel: its centre line, and a rail on one side (+1 left, -1 right)."""
+    """Draw a guide on the ground: its centre line, and a rail on one ``side`` (+1 left, -1 right)."""
     along = size * unit(end - start)
     line(axes, (start - 6.0 * along, end + 6.0 * along), 0.7, 1.5, MUTED, linestyle=(0, (9, 2.5, 1.5, 2.5)))
     rail = [place + 1.7 * side * left(along) for place in (start - 3.2 * along, end + 3.2 * along)]
@@ -105,13 +105,13 @@ def guide(axes: Axes, start: Array, end: Array, side: float, size: float) -> Non
 
 
 def slot(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """A slot of a moving link over a pin's travel: two parallel walls, closed at both ends."""
+    """Draw a slot of a moving link over a pin's travel: two parallel walls, closed at both ends."""
     along = 2.6 * size * unit(end - start)
     _area(axes, _box(start - along, end + along, 1.7 * size), 1.0, 5.5, SLOT)
 
 
 def mass_centre(axes: Axes, place: Array, link: Array, size: float) -> None:
-    """The quartered disc of a mass centre, tied by a thin dotted line to a place of its link."""
+    """Draw the quartered disc of a mass centre, tied by a thin dotted line to a place of its link."""
     line(axes, (link, place), 0.6, 4.5, linestyle=(0, (1, 1.6)))
     pin(axes, place, 0.8 * size, 9.0)
     for start in (0.0, 180.0):
@@ -120,7 +120,7 @@ def mass_centre(axes: Axes, place: Array, link: Array, size: float) -> None:
 
 
 def spring(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """A zigzag between two points, of as many turns as its length has room for."""
+    """Draw a zigzag between two points, of as many turns as its length has room for."""
     turns = int(np.clip(0.4 * float(np.hypot(*(end - start))) / size, 5, 40))
     share = np.concatenate([[0.0, 0.2], np.linspace(0.21, 0.79, turns), [0.8, 1.0]])
     height = np.concatenate([[0.0, 0.0], 1.5 * size * (-1.0) ** np.arange(turns), [0.0, 0.0]])
@@ -128,5 +128,5 @@ def spring(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def eye(axes: Axes, place: Array, size: float) -> None:
-    """A point of a link where nothing is pinned."""
+    """Draw a point of a link where nothing is pinned."""
     axes.add_patch(Circle((place[0], place[1]), 0.6 * size, facecolor=INK, linewidth=0.0, zorder=8.0))

@@ -23,13 +23,13 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 
 
 def mechanisms(incomplete: str) -> list[str]:
-    """The catalogue, and linkage files that lie where the words point."""
+    """Names of the catalogue and paths of linkage files that begin with the incomplete word."""
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
     return [*_completions(_files_by_name(), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
-    """The variants of the mechanisms on the command line."""
+    """Variants of the mechanisms on the command line."""
     named = [name for table in _linkage_tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
     return _completions(named, incomplete)
 
@@ -134,12 +134,12 @@ PLACES: Final = {
 
 
 def is_asked(name: str) -> bool:
-    """Whether a shell asks for words."""
+    """Whether a shell asks linkproof for completions."""
     return VARIABLE.format(name.upper()) in os.environ
 
 
 def complete(app: click.Group, name: str) -> int:
-    """Offer a shell the words that may follow; the exit code."""
+    """Offer the shell the words that may follow; returns the exit code."""
     variable = VARIABLE.format(name.upper())
     shell, _, action = os.environ[variable].partition("_")
     asked = _shell(shell)(app, {}, name, variable)
@@ -158,7 +158,7 @@ def _shell(shell: str) -> type[ShellComplete]:
 
 
 def _script() -> tuple[str, str]:
-    """The shell, and its script of completion."""
+    """The user's shell by name, and its completion script."""
     shell = "powershell" if os.name == "nt" else Path(os.environ.get("SHELL", "")).name
     return shell, _shell(shell)(click.Group(), {}, "linkproof", VARIABLE.format("LINKPROOF")).source()
 
@@ -171,7 +171,7 @@ def _show(context: click.Context, _parameter: click.Parameter, is_requested: boo
 
 
 def _install(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
-    """Write the script where the shell finds it, and the line that reads it, once."""
+    """Write the completion script where the shell finds it and end, if it is asked for."""
     if not is_requested:
         return
     shell, script = _script()

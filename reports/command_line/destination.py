@@ -43,7 +43,7 @@ class Destination(OutputOptions):
             check_saves(self.save, kind.suffixes, read, self.out)
 
     def make(self, function: Callable[..., Study | None], form: ResultsFiles | None) -> int:
-        """Call the function, print and write its study, if it makes one; the exit code.
+        """Call the function, print its study and write its files; returns the exit code, 0 without a study.
 
         If stdout is for JSON, what engines in this process print goes to stderr.
         """
@@ -56,7 +56,7 @@ class Destination(OutputOptions):
         return 0 if study is None else self.emit(study, form)
 
     def emit(self, study: Study, form: ResultsFiles | None = None) -> int:
-        """Print a study and write its files, and say which; the exit code."""
+        """Print a study, write its files and name them; returns the exit code."""
         study.check_content()
         warnings = (f"warning: {text}" for text in dict.fromkeys(study.warnings))  # be the run quiet or not
         show(*(Paragraph(text, colour="yellow") for text in warnings), stderr=True)

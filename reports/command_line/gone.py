@@ -12,7 +12,7 @@ TEXT = Path(__file__).parents[1] / "templates" / "gone.txt"
 
 @cache
 def _answers() -> Mapping[str, str]:
-    """What to do instead of a command, an option, or an option of a command that has an answer of its own."""
+    """The answer for each command and option that is gone, by its words."""
     return dict(line.split(": ", 1) for line in TEXT.read_text(encoding="utf-8").splitlines())
 
 

@@ -49,7 +49,7 @@ def _run_app() -> None:
 
 
 def _end_badly(error: Exception) -> None:
-    """End with a sentence about the machine, if it is the cause, else about a fault of linkproof."""
+    """Print a sentence that blames the machine, if it is the cause, else linkproof, and exit."""
     import errno
 
     if isinstance(error, FileNotFoundError) and error.filename is None:
@@ -86,7 +86,7 @@ def _open_closed_streams() -> None:
 
 
 def _discard(descriptor: int) -> None:
-    """Discard what is still to be written to a stream, or Python reports an error when it exits."""
+    """Send what a stream has still to write to the null device, so that Python exits without an error."""
     import os
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)

@@ -129,7 +129,7 @@ def study_command(
 
 
 def _read(options: Iterable[DeclaredOption], given: Mapping[str, Any]) -> dict[str, Path]:
-    """The files that are read, by what they are."""
+    """Paths of the files that options read, by their meaning in words."""
     found = {}
     for option in options:
         value = given[option.field.name]
@@ -177,14 +177,14 @@ def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[s
 
 
 def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """The value that click passes as that of the option: a flag switches off what is on."""
+    """An option's value from click's; a flag that is set switches off what is on by default."""
     if member_type(option.kind) is float and isinstance(given, str):
         return option_value(option, given)
     return not given if option.field.default is True else given
 
 
 def run(app: click.Group, name: str, words: Sequence[str]) -> int:
-    """Run the command of these words, or offer words to a shell; the exit code. Ctrl-C is a KeyboardInterrupt."""
+    """Run a command's words, or answer a shell's completion; returns the exit code. Ctrl-C raises KeyboardInterrupt."""
     if completion.is_asked(name):
         return completion.complete(app, name)
     try:

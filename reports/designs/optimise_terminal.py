@@ -30,7 +30,7 @@ SETTLED: Final = 1e-4  # a residual that a local optimum stays below
 
 
 def printed(optimum: Optimum, conditions: str) -> list[Printed]:
-    """The tables and the lines beneath."""
+    """The tables of numbers and figures and the remarks below."""
     return [
         Paragraph(f"{aim(optimum)}; {conditions}", colour="bold"),
         "",
@@ -91,7 +91,7 @@ def closing(optimum: Optimum) -> str:
 
 
 def _aim_value(optimum: Optimum, values: NDArray[np.float64]) -> float:
-    """The value of the aim among figures (figures,), SI: of several aims that of the worst."""
+    """The value of the aim, SI, among figures (figures,); of several aims the worst one's."""
     sign, many = optimum.problem.sign, len(optimum.problem.aims)
     return float(sign * np.max(sign * values[:many]))
 
@@ -121,7 +121,7 @@ def _percent(share: float) -> str:
 
 
 def _remarks(optimum: Optimum) -> Iterator[Printed]:
-    """How the search went."""
+    """Remarks on how the search went: method, optimality, rounding, other ends."""
     search, problem = optimum.search, optimum.problem
     way = "exact derivatives" if is_exact(problem.case.mechanism) else "differences"
     grid = len(problem.maxima.grid)
@@ -143,7 +143,7 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
 
 
 def _optimality(search: Search) -> Iterator[str]:
-    """How near to an optimum the search came."""
+    """Sentences on how near to an optimum the search came."""
     yield (
         f"Optimality (KKT residual, a share of the aim over the whole of the bounds): {steady_error(search.residual)}; "
         "0 is an exact optimum."
@@ -154,7 +154,7 @@ def _optimality(search: Search) -> Iterator[str]:
 
 
 def _rounding(optimum: Optimum) -> str:
-    """The cost of whole steps: the loss of the aim, and the constraints they violate."""
+    """A sentence on the loss by whole steps and the constraints they violate."""
     sign = optimum.problem.sign
     before, after = (sign * _aim_value(optimum, values) for values in (optimum.exact, optimum.values[1]))
     cost = _percent(_relative(before, after))
@@ -175,7 +175,7 @@ def _rounding(optimum: Optimum) -> str:
 
 
 def _starts(optimum: Optimum) -> str:
-    """Where the searches ended."""
+    """A sentence on where the searches ended."""
     ends = [end for end in optimum.search.ends if end is not None]
     elsewhere = optimum.search.elsewhere
     feasible = [end for end in elsewhere if end.is_feasible]

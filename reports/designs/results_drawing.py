@@ -69,21 +69,21 @@ def _everything(sheet: Sheet) -> Figure:
 
 
 def _title(sheet: Sheet, name: str) -> str:
-    """Name of a curve, its peak, and the place of the peak."""
+    """The title of a curve: its name, its peak and the peak's place."""
     peak = sheet.peaks[name]
     what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
 
 
 def _force_title(sheet: Sheet, vector: str) -> str:
-    """Name of a force and its peak."""
+    """The title of a hodograph: the force's name and its peak."""
     name = plain(vector.partition(":")[2] or vector)
     peak = words(sheet, sheet.peaks[vector + MAGNITUDE]).replace(" ", "\N{NO-BREAK SPACE}")
     return f"{printable(name)}, {peak}"
 
 
 def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """The curves of all points, and the linkage in one position."""
+    """Draw the paths of all points, and the linkage in one position."""
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size, masses=False)
     draw_names(axes, scheme, size)
@@ -123,7 +123,7 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
 
 
 def _signals_together(sheet: Sheet, name: str) -> tuple[dict[str, str], str]:
-    """The names of signals on one pair of axes, which are labelled; none where the linkage has nothing for them."""
+    """Names of the signals drawn on one pair of axes, in words, and the axes' label; none if lacking."""
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
         return signals, f"|F|, {sheet.file_unit_of('N').on_page}"

@@ -36,7 +36,7 @@ def workbook(sheet: Sheet) -> bytes:
 
 
 def _text(page: object, text: str) -> WriteOnlyCell:
-    """A name as text, which would be a formula if it began with =."""
+    """A cell with a name as text, which otherwise would be a formula if it began with =."""
     cell = WriteOnlyCell(page, printable(text))
     cell.data_type = "s"
     return cell

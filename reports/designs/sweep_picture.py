@@ -64,7 +64,7 @@ class DrawnDesigns:
         return np.asarray(self.dataset[name].values, dtype=float)
 
     def failing(self, name: str) -> int:
-        """Number of designs without this figure."""
+        """The number of designs without a value of this figure."""
         return int(np.count_nonzero(np.isnan(self.values(name))))
 
     def best(self, name: str) -> int | None:
@@ -101,14 +101,14 @@ class DrawnDesigns:
         return axis_label(f"{printable(name)}{ends}", self.unit(name))
 
     def target(self, figure: str) -> tuple[float, str]:
-        """The best value of a figure, and the note on the design nearest to it."""
+        """The best value of a figure, in the file's unit, and a note on the design nearest to it."""
         if figure.startswith("transmission_angle:") and not figure.endswith(".range"):
             return 0.5 * math.pi if self.unit(figure) == "rad" else 90.0, "nearest to 90°"
         return 0.0, "nearest to 0" if figure.endswith(SIGNED) or "@" in figure else "least"
 
     @property
     def own_place(self) -> tuple[float, ...]:
-        """The file's own numbers by parameter if they lie among the designs, else nothing."""
+        """The file's own values of the parameters if they lie among the designs, else ()."""
         place = tuple(self.own[name] for name in self.parameters)
         ends = [(np.min(values), np.max(values)) for values in map(self.values, self.parameters)]
         return place if all(low <= value <= high for value, (low, high) in zip(place, ends, strict=True)) else ()
@@ -275,7 +275,7 @@ def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 
 
 def _edges(places: Array) -> Array:
-    """Where the cells of ascending places end, half-way between neighbours: (places + 1,)."""
+    """The borders of cells around ascending places, half-way between neighbours: (places + 1,)."""
     if len(places) == 1:
         return places + 0.5 * (abs(places[0]) or 1.0) * np.array([-1.0, 1.0])
     first, last = 1.5 * places[[0, -1]] - 0.5 * places[[1, -2]]

@@ -103,7 +103,7 @@ def _ends(study: SweepStudy, figure: int) -> Iterator[tuple[str, float, list[flo
 
 
 def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[float]]:
-    """The value and the parameters of the design with the largest or the least of a figure; nan, none without one."""
+    """Value and parameters of the design with the largest (``way`` 1) or least (-1) figure; nan without one."""
     design = study.extreme(figure, way)
     if design is None:
         return math.nan, []

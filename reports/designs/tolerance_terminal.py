@@ -65,7 +65,7 @@ def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
 
 
 def _values(study: ToleranceStudy, row: int, column: int) -> tuple[Any, ...]:
-    """Of one toleranced number and one result the ``COLUMNS`` from the parameter on, less what the derivative is."""
+    """The ``COLUMNS`` of one toleranced number and one result, in the file's units."""
     tolerance, unit = study.request.tolerances[column], study.request.figures[row].unit
     own = tolerance.parameter.unit
     return (
@@ -81,7 +81,7 @@ def _values(study: ToleranceStudy, row: int, column: int) -> tuple[Any, ...]:
 
 
 def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
-    """Worst case and random designs, each beside what is linear."""
+    """Sentences on the worst case and the random designs, each beside the linear estimate."""
     unit = study.request.figures[row].unit
     end = f" {unit.name}".rstrip()
     nominal, worst = study.nominal[row] / unit.size, study.worst[row] / unit.size
@@ -199,7 +199,7 @@ def tornado_figure(study: ToleranceStudy) -> Figure:
 
 
 def _moving(study: ToleranceStudy, row: int) -> list[int]:
-    """The parameters that move a result, the largest change first."""
+    """Numbers of the parameters that move a result, the largest change first."""
     sizes = np.max(np.nan_to_num(np.abs(study.changes[row]), nan=np.inf), axis=1)
     return [int(column) for column in np.argsort(-sizes, kind="stable") if sizes[column] > 0.0]
 

@@ -88,7 +88,7 @@ class _PageFiles:
         return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
 
     def data(self, widget: Widget) -> str:
-        """Write the further data of a widget; returns the folder of all that this page has."""
+        """Write a widget's further data; returns the folder that holds this page's data."""
         folder = f"data/{Path(self.page.file).stem}/"
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"

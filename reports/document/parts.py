@@ -108,7 +108,7 @@ class Table:
     style: str = ""
 
     def side(self, column: int) -> str:
-        """The letter of a column."""
+        """The letter of a column's alignment, "l" or "r"."""
         return self.align[min(column, len(self.align) - 1)]
 
 

@@ -50,13 +50,13 @@ class Study:
         raise NotImplementedError
 
     def json(self) -> str:
-        """The same as a text."""
+        """The output of ``to_dict`` as text."""
         from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
 
         return to_json(self.to_dict())
 
     def brief(self) -> Sequence[Printed]:
-        """What a quiet command prints above the closing lines."""
+        """The parts that a quiet command prints above the closing lines; none by default."""
         return ()
 
     def sentence(self) -> Printed:
@@ -74,10 +74,10 @@ class Study:
         return self.exit_code == 0
 
     def check_content(self) -> None:
-        """Raise LinkproofError where there is nothing to show."""
+        """Raise LinkproofError where there is nothing to show; by default, do nothing."""
 
     def failures(self) -> Iterable[str]:
-        """A line for everything that is not as it should be."""
+        """A line for every result that makes ``check`` fail."""
         return ()
 
     def check(self) -> Study:
@@ -102,7 +102,7 @@ class Study:
         return pd.DataFrame(self.rows())
 
     def content(self, suffix: str, *_: Any, **form: Any) -> Content:  # noqa: ANN401 - of each study its own
-        """What is saved in a file of a suffix."""
+        """The content of a file with this suffix: a picture of ``plot``, else the JSON."""
         if suffix in PICTURES:
             from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
 
@@ -122,7 +122,7 @@ class Study:
         raise LinkproofError(f"a {type(self).__name__} has no pages: save a file, not '{folder}'")
 
     def hint(self, _saved: Sequence[Path]) -> str:
-        """What to do next."""
+        """A sentence on the next command for the user; "" for none."""
         return ""
 
     def __repr__(self) -> str:

@@ -41,7 +41,7 @@ def sentence(macro: str, **values: object) -> str:
 
 @cache
 def _sentences(macro: str) -> Any:  # noqa: ANN401 - a template's module
-    """The compiled text of a macro and of those that it uses: all of them take a quarter of a second."""
+    """The compiled macro; each is compiled alone, since all of them take a quarter of a second."""
     _, *texts = MACRO.split((FOLDER / "sentences.txt").read_text(encoding="utf-8"))
     known = dict(zip(texts[::2], texts[1::2], strict=True))
     used = [macro]

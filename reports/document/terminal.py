@@ -42,7 +42,7 @@ def show(*parts: Printed, stderr: bool = False) -> None:
 
 
 def write(text: str, stream: TextIO) -> None:
-    """Write to a pipe or a file; where the reader has left, this and all that follows is written nowhere."""
+    """Write text to a stream; once its reader has left, nothing more is written, without an error."""
     try:
         stream.write(text)
         stream.flush()

@@ -50,20 +50,20 @@ DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and
 
 
 def sections(sheet: Sheet) -> tuple[Section, ...]:
-    """Every section that the sheet has something for, in the order of a designer's questions."""
-    every = (_drive(sheet), _forces(sheet), _links(sheet))
+    """All sections of the page that the sheet has data for, in a designer's order."""
+    every = (_drive_section(sheet), _forces_section(sheet), _links_section(sheet))
     return tuple(section for section in every if section.parts)
 
 
 def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
-    """Why parts of the sheet cannot be derived."""
+    """Paragraphs with the reasons why the parts ``keys`` of the sheet are missing."""
     reasons = {key: sheet.missing[key] for key in keys if key in sheet.missing}
     words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
     return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
 
 
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Callable[[], Figure]) -> PageFigure:
-    """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
+    """A figure of the page; its text for readers without pictures is title, variant and ``what``."""
     return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 
@@ -88,8 +88,8 @@ def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
     return column
 
 
-def _drive(sheet: Sheet) -> Section:
-    """Where the inertia behind the torque comes from, or why there is none."""
+def _drive_section(sheet: Sheet) -> Section:
+    """The section on the inertia behind the torque, or on the reason why there is none."""
     words = [] if sheet.linkage.output else ["The file names no output: there is no S, v and a."]
     if not any(name in sheet.values for name in DRIVE):
         words += ["No link has mass and there are no loads: there is no torque, power or joint force."]
@@ -102,7 +102,7 @@ def _drive(sheet: Sheet) -> Section:
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
-    """Jeq by group, one on the other, and by link."""
+    """The figure of Jeq by group, stacked, and by link; none without inertia."""
     unit = sheet.unit("Jeq")
     groups, links = (
         {name: sheet.sorted_by_axis(values) / unit.size for name, values in sheet.shares.get(kind, {}).items()}
@@ -140,8 +140,8 @@ def _share(name: str, values: Array, whole: float) -> str:
     return f"{plain(name)}, {100.0 * float(np.mean(values)) / whole:.1f} %"
 
 
-def _forces(sheet: Sheet) -> Section:
-    """In every joint and on the frame, as hodographs and in figures."""
+def _forces_section(sheet: Sheet) -> Section:
+    """The section on the forces in every joint and on the frame: hodographs and figures."""
     joints = sheet.joints
     if not joints:
         return Section("forces", "Forces in the joints and on the frame", ())
@@ -154,7 +154,7 @@ def _forces(sheet: Sheet) -> Section:
 
 
 def _dots_in_words(sheet: Sheet) -> str:
-    """The end of a hodograph's caption: how far its dots are apart; empty unless the motion is a full turn."""
+    """The end of a hodograph's caption, on the distance of its dots; "" unless the motion is a full turn."""
     return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if sheet.is_turn else ""
 
 
@@ -195,8 +195,8 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
         axes.remove()
 
 
-def _links(sheet: Sheet) -> Section:
-    """The linkage in several positions, its links in the file's units with what each gives to the mean Jeq, notes."""
+def _links_section(sheet: Sheet) -> Section:
+    """The section on the links: a scheme, their data in the file's units, their shares of Jeq, notes."""
     linkage, facts = sheet.linkage, sheet.facts.get("links", {})
     units = [sheet.file_unit_of(si) for si in ("kg", "kg m²", "m")]
     means = {name: link["Jeq_mean"] for name, link in facts.items() if "Jeq_mean" in link}
@@ -217,7 +217,7 @@ def _links(sheet: Sheet) -> Section:
 
 
 def _scheme(sheet: Sheet) -> tuple[Card, ...]:
-    """The linkage to scale in positions of its motion."""
+    """The card with the linkage drawn to scale in several positions; none without positions."""
     positions = sheet.positions
     if positions is None:
         return ()

@@ -90,7 +90,10 @@ def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
     result = [{record.quantity: record for record in run} for run in runs]
     rows = tuple(
-        (*_row_head(view, [run[name] for run in result if name in run]), *(_cell(run.get(name)) for run in result))
+        (
+            *_row_head(view, [run[name] for run in result if name in run]),
+            *(_error_cell(run.get(name)) for run in result),
+        )
         for name in view.quantities(regime)
         if any(name in run for run in result)
     )
@@ -101,7 +104,7 @@ def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -
 
 
 def _row_head(view: View, records: Sequence[Error]) -> tuple[TableCell, str]:
-    """The quantity with its peak, and the limits in the order of the settings."""
+    """The first cells of a row: the quantity with its peak, and its limits by setting."""
     quantity = records[0].quantity
     measured = records if quantity not in view.invariants else ()
     peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
@@ -110,8 +113,8 @@ def _row_head(view: View, records: Sequence[Error]) -> tuple[TableCell, str]:
     return TableCell(view.title(quantity), note=peak), ", ".join(words)
 
 
-def _cell(record: Error | None) -> TableCell | str:
-    """An error, with a sign where it is over its limit; a failed one has its reason as a tooltip."""
+def _error_cell(record: Error | None) -> TableCell | str:
+    """The cell of an error, with a sign if it is over its limit and the reason as a tooltip if it failed."""
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
@@ -122,7 +125,7 @@ def _cell(record: Error | None) -> TableCell | str:
 
 
 def _reasons(runs: Sequence[Sequence[Error]]) -> tuple[str, ...]:
-    """Why there is no error of a run or of a quantity of it, each reason once."""
+    """Reasons why runs or quantities have no error, each once, with engine and setting."""
     rows = []
     for run in runs:
         without = [record for record in run if record.error_max is None]
@@ -340,7 +343,7 @@ def digits(value: float) -> float:
 
 
 def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
-    """JSON for the page's chart of one quantity: the closed form and the runs.
+    """The data of one quantity's curves for the chart, JSON-ready: closed form and runs.
 
     The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error.
     """

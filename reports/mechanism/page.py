@@ -140,16 +140,16 @@ def _verdict(results: CampaignResults | None) -> tuple[Part, ...]:
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 
 
-def _ran(sheet: Sheet, results: CampaignResults | None) -> list[View]:
-    """The view of a sheet's linkage among results, if they have it."""
+def _views_of(sheet: Sheet, results: CampaignResults | None) -> list[View]:
+    """The view of the results on a sheet's linkage, as the only member of a list; [] without one."""
     mine = sheet.name, sheet.variant
     every = views(results) if results else ()
     return [view for view in every if (view.linkage.name, view.linkage.variant) == mine][:1]
 
 
 def _errors(sheet: Sheet, results: CampaignResults | None) -> Iterator[Part]:
-    """Every error of the engines on the mechanism, with their curves."""
-    for view in _ran(sheet, results):
+    """Parts with every error of the engines on the mechanism, and with their curves."""
+    for view in _views_of(sheet, results):
         yield from errors_chart_widget(view)
 
 
@@ -170,8 +170,8 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
 
 
 def _sections(sheet: Sheet, results: CampaignResults | None) -> Iterator[Section]:
-    """The designer's, then the engines'; of a file that was judged its errors first."""
-    engines = [engines_section(view) for view in _ran(sheet, results)]
+    """The designer's sections, then the engines'; for a judged file its errors come first."""
+    engines = [engines_section(view) for view in _views_of(sheet, results)]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)

@@ -64,7 +64,7 @@ def _key(row: Row) -> tuple[Any, ...]:
 
 
 def _met_words(rows: Sequence[Row], variant: str) -> str:
-    """How many figures a variant meets, in words."""
+    """How many printed figures a variant reproduces, and how many it comes near, in words."""
     signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
     near = f" and {signs.count('near')} within 6 %" if "near" in signs else ""
     return f"{variant} {signs.count('pass')} of {len(signs)} to the last printed digit{near}"
@@ -98,7 +98,7 @@ def _variant_cell(row: Row) -> TableCell:
 
 
 def _digits(row: Row, value: float, most: int = 17) -> str:
-    """A value with as many digits as were printed, four at least and ``most`` at most."""
+    """A value as text with as many digits as the source printed, but at least four and at most ``most``."""
     shown = 0.0
     if row["published"] and row["half_digit"]:
         shown = math.log10(abs(row["published"])) - math.log10(row["half_digit"])

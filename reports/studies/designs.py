@@ -37,12 +37,12 @@ class Sweep(Study):
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """A variable per figure over the parameters, or over ``design``; NaN for designs that do not assemble."""
+        """A variable per figure over the parameters, or over ``design``, in the file's units; NaN if not assembled."""
         return self.study.dataset.assign_attrs(command=self.command)
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Those of the request and of the file."""
+        """Warnings about the request and about the file."""
         return [*self.study.request.warnings, *warnings(self.study.request.case.linkage)]
 
     def printout(self) -> Printout:
@@ -59,7 +59,7 @@ class Sweep(Study):
             )
 
     def brief(self) -> Sequence[Printed]:
-        """How many designs there are, and how many of them assemble."""
+        """The parts of a quiet run: how many designs there are, and how many assemble."""
         return [sweep_terminal.sentence(self.study)]
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -110,7 +110,7 @@ class Optimisation(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Those of the search and of the file."""
+        """Warnings about the search and about the file."""
         return [*self.best.warnings, *warnings(self.best.problem.case.linkage)]
 
     @property
@@ -147,7 +147,7 @@ class Optimisation(Study):
         return Printout(optimise_terminal.printed(self.best, self.conditions), self._speed_note())
 
     def brief(self) -> Sequence[Printed]:
-        """What the search has gained."""
+        """The parts of a quiet run: the outcome of the search."""
         return [optimise_terminal.closing(self.best)]
 
     def _speed_note(self) -> Sequence[str]:
@@ -163,11 +163,11 @@ class Optimisation(Study):
         return optimise_terminal.document(self.best, self.command, self.conditions)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A row before and one after."""
+        """A table of numbers and figures with a row before and a row after."""
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """The curves before and after."""
+        """A figure of the signals before and after."""
         return optimise_terminal.before_after_figure(self.best, self.conditions)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
@@ -175,7 +175,7 @@ class Optimisation(Study):
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """How an engine checks the new design."""
+        """The command by which an engine checks the new design; "" unless it was saved."""
         file = next((str(file) for file in saved if file.suffix.lower() == ".toml"), None)
         first = "" if file else "--save best.toml writes the new file; "
         command = shlex.join(["linkproof", "compare", file or "best.toml", *self.check_options])
@@ -212,11 +212,11 @@ class Tolerance(Study):
         return tolerance_terminal.printout(self.study)
 
     def sentence(self) -> Printed:
-        """The random designs."""
+        """The outcome in the random designs, in a sentence."""
         return self.printout().closing[0]
 
     def to_dict(self) -> Mapping[str, Any]:
-        """Everything but the random designs themselves."""
+        """The study as JSON prints it, without the single random designs."""
         return tolerance_terminal.document(self.study)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame

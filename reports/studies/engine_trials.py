@@ -66,7 +66,7 @@ def _trial_of_run(run: RunRecord) -> SelfTest:
 
 
 def machine_code_trial() -> SelfTest:
-    """A function of one operation, compiled: Numba works where this does."""
+    """Compile a function of one operation: where this works, Numba does."""
     if not machine_code.is_installed():
         return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
     trace, begin = OperationList(), time.perf_counter()
@@ -97,7 +97,7 @@ def _package_trial(package: str, extra: str) -> SelfTest:
 
 
 def places() -> dict[str, str]:
-    """Where files are read and written without being named on the command line."""
+    """Files and folders that are read or written without being named by the user, in words."""
     import matplotlib as mpl  # noqa: PLC0415 - slow to import
 
     return {

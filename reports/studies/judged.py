@@ -73,7 +73,7 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def _run(self) -> RunRecord:
-        """The judgement as a run: an error of every verdict, with its likeliest cause."""
+        """The judgement as a run: each verdict as an error, its detail ending in the likeliest cause."""
         return imported.run_of_judgement(self, self._files)
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -94,7 +94,7 @@ class Judgement(Study, ImportedJudgement):
         return imported.judged_figure(self, self._title)
 
     def write(self, folder: str | Path) -> Path:
-        """The records, curves and page of a campaign, with the files in an engine's place."""
+        """Write the judgement into a folder like a campaign, with its pages; returns the page to open."""
         from reports.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 
         linkage, motion = self.model.linkage, self.model.motion

@@ -44,7 +44,7 @@ class Results(Study):
 
     @cached_property
     def _whole_sheet(self) -> Sheet:
-        """The same with the peak of every signal."""
+        """The sheet with the peaks of all signals, also of those without a table."""
         return sheet(self.case, self.chosen, every_peak=True)
 
     @cached_property
@@ -78,11 +78,11 @@ class Results(Study):
         return Printout(results_terminal.printed(self.sheet), ())
 
     def sentence(self) -> Printed:
-        """The conditions."""
+        """The conditions of the motion, in a sentence."""
         return self.sheet.conditions
 
     def to_dict(self) -> Mapping[str, Any]:
-        """SI, angles in rad."""
+        """The sheet as JSON prints it: SI, angles in rad."""
         return results_terminal.document(self._whole_sheet)
 
     def json(self) -> str:

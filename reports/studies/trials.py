@@ -54,7 +54,7 @@ class Trials(Study):
         raise NotImplementedError
 
     def write(self, folder: str | Path) -> Path:
-        """Write the runs into a folder, unless it keeps them, and the pages; the first page."""
+        """Write runs, unless the folder keeps them already, and pages; returns the first page's path."""
         from reports.site import write_site  # noqa: PLC0415 - figures cost seconds that a table does not pay
 
         place = Path(folder)
@@ -90,7 +90,7 @@ class Comparison(Trials):
         campaign.save(folder, self.results.document, self.results.runs)
 
     def with_files(self, record: str | Path | None, junit: str | Path | None) -> Comparison:
-        """The comparison, once its rows, and its verdicts as test cases of JUnit, are written."""
+        """The same comparison, after writing its rows and its verdicts for JUnit to these files."""
         if record is not None:
             write_rows(self.results.rows, Path(record))
         if junit is not None:
@@ -201,16 +201,16 @@ class Script(Comparison):
     exit_code: ClassVar[int] = 0  # type: ignore[misc]
 
     def sentence(self) -> Printed:
-        """The file."""
+        """The sentence that names the file."""
         return f"wrote {self.written[0]}"
 
     def printout(self) -> Printout:
-        """Nothing: the command tells every file that is written."""
+        """Nothing, since the command names every file that it writes."""
         return Printout((), ())
 
 
 def check_files(record: str | Path | None, junit: str | Path | None) -> None:
-    """Raise LinkproofError before the work for a file of a comparison that cannot be written."""
+    """Raise LinkproofError for a file of a comparison that could not be written, before any work is done."""
     if record is not None:
         check_file("--record", Path(record), (".csv",))
     if junit is not None:
@@ -322,7 +322,7 @@ class StabilityMaps(Trials):
 
 
 def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ()) -> int:
-    """The exit code of records; naive ones count only without other settings.
+    """The exit code for judged records and changes; naive records count only without other settings.
 
     Of ``changes`` since results were recorded those that fail count. Raises LinkproofError if no record is judged.
     """
@@ -340,7 +340,7 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
 
 
 def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
-    """A fault of linkproof precedes a failure; raises LinkproofError if nothing is judged, with the commonest reason.
+    """The exit code: of a fault of linkproof, else of a failure, else 0; raises LinkproofError if nothing is judged.
 
     ``counts`` are those of outcomes that are not judged, each with its reason.
     """
