@@ -70,5 +70,5 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def _size_fault(size: int, largest: int) -> str | None:
-    """What is wrong with a file of ``size`` bytes, as the end of a sentence; None up to ``largest`` bytes."""
+    """The fault of a file of ``size`` bytes, as the end of a sentence; None if at most ``largest`` bytes."""
     return f"has more than {largest >> 20} MB; give a smaller one" if size > largest else None

@@ -273,7 +273,7 @@ class TracedSweep(Sweep):
         self.moves = solver.moves if self.moves is True else self.moves & solver.moves
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
-        """Nothing to check: ``_handle_assembly`` has recorded where the group can move."""
+        """Do nothing: ``_handle_assembly`` has recorded where the group can move."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ class Unusable:
         return self.announced_by
 
     def why_unavailable(self) -> str | None:
-        """None: the error is reported when it is run."""
+        """None, since ``run`` reports the error."""
         return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:

@@ -165,7 +165,7 @@ class SimbodyModel:
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
     def joints(self) -> dict[str, tuple[bool, int, float, Vector | None]]:
-        """By joint: whether it is a cut, its number, the sign of its force, and its only direction or None.
+        """Each joint by name: whether it is a cut, its number, sign of its force, and only direction or None.
 
         A driven slider's force is across its guide: what is along it is the drive's.
         """

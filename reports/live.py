@@ -90,7 +90,7 @@ def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) 
 
 
 def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
-    """Of each point the effects of pulling at it on every "body" that has it; a pin that two links place has two.
+    """The effects of pulling at each point, by the point: one for every "body" that carries it.
 
     The "way" is "place", which moves the point in the body's frame, "length", its distance from the point "about"
     there, or "crank", that distance while the crank turns with it. A point by which a group hangs on placed links
@@ -154,7 +154,7 @@ MOST_NUMBERS: Final = 200_000  # of all its results
 
 
 def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
-    """What a widget without formulas takes: no numbers, a motion and the names of the results of its samples."""
+    """The data of a widget without formulas: no numbers, a motion, and the names of the sampled results."""
     time, linkage = sheet.values["time"], sheet.linkage
     length = sheet.file_unit_of("m")
     return {

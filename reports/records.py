@@ -156,7 +156,7 @@ def title(quantity: str) -> str:
 
 
 def short_title(quantity: str) -> str:
-    """A quantity's symbol, or a few words if it has no symbol."""
+    """A quantity's symbol or, without one, a few words."""
     return SYMBOLS.get(quantity, worded(quantity).replace("joint force", "force"))
 
 
@@ -248,7 +248,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
 
 
 def remedy(run: Iterable[Error]) -> str:
-    """What to do about a run of an engine with errors over their limits; "" if there are none."""
+    """Advice on a run with errors over their limits; "" if it has none."""
     over = [record for record in run if record.error_max is not None and Verdict(record.outcome).failed]
     if not over or over[0].origin == IMPORTED:
         return ""

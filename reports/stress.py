@@ -307,7 +307,7 @@ def page(stress: Stress) -> Page:
 
 
 def _maps(stress: Stress) -> Section:
-    """The interactive map, every map as a figure, and the table of borders."""
+    """The section of the maps: the interactive map, each map as a figure, and the table of borders."""
     maps = {axis: map_data(stress, axis) for axis in stress.axes}
     first, *others = maps
     data = {

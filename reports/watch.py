@@ -175,7 +175,7 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
-        """Save the text that a click on the page sends."""
+        """Save the text that a page sends, and answer whether that succeeded."""
         name, length = self._requested_file(), self.headers.get("Content-Length", "")
         if name is None:
             return

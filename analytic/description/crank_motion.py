@@ -446,7 +446,7 @@ def swing(
     back: bool = False,
     regime: str = "",
 ) -> CrankMotion:
-    """From one crank angle to another, rad, by a law, with a ``dwell``, s, there, and optionally ``back`` again.
+    """A motion from one crank angle to another, rad, by a law, with a ``dwell``, s, there, and ``back`` if asked for.
 
     Either the largest |ω| is given, ``speed``, rad/s, or the ``time`` of one way, s. ``regime`` is the law by default.
     """

@@ -112,7 +112,7 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
 
 
 def _most_telling_fault(faults: Sequence[ErrorDetails]) -> ErrorDetails:
-    """Of the first value at fault, which may fail each of several forms in its own way, the fault that lies deepest.
+    """The fault to report: the deepest of the first wrong value, which may fail several alternative forms.
 
     An unknown key beside a missing key is taken for a misspelling of it.
     """

@@ -61,17 +61,17 @@ class DriverCoordinate:
 
     @property
     def is_linear(self) -> bool:
-        """Whether it is a length, and the drive a force."""
+        """Whether it is a length, so that the drive exerts a force."""
         return self.driver is not DriverKind.CRANK
 
     @property
     def axis(self) -> str:
-        """Its name and unit, for an axis."""
+        """The label of an axis: the coordinate's name and unit."""
         return f"{'travel of the drive' if self.is_linear else 'crank angle φ'}, {self.unit.name}"
 
     @property
     def effort(self) -> str:
-        """What the drive exerts, in a word."""
+        """The word for what the drive exerts: torque or force."""
         return "force" if self.is_linear else "torque"
 
     def kind(self, kind: Kind) -> Kind:
@@ -88,7 +88,7 @@ class DriverCoordinate:
         return f"{value / self.unit.size:z.4g}{self.mark}" if self.is_linear else degrees(value)
 
     def unwrapped(self, value: float) -> str:
-        """As ``text``, of an angle with its whole turns."""
+        """A value in words as from ``text``, but an angle keeps its whole turns."""
         return self.text(value) if self.is_linear else f"{value / self.unit.size:.6g}{self.mark}"
 
     def named(self, value: float) -> str:

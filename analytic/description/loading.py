@@ -59,17 +59,17 @@ class LinkageFile:
 
 
 def catalogue() -> tuple[str, ...]:
-    """Names of the sewing mechanisms that come with the suite, sorted; commands use them if no mechanism is named."""
+    """Names, sorted, of the sewing mechanisms that come with the suite; commands use them if none is named."""
     return _names_on_shelf(CATALOGUE)
 
 
 def gallery() -> tuple[str, ...]:
-    """Names of the classic linkages that come with the suite as a start for one's own, sorted: taken where named."""
+    """Names, sorted, of the classic linkages that come with the suite as a start; commands use them if named."""
     return _names_on_shelf(GALLERY)
 
 
 def literature() -> tuple[str, ...]:
-    """Names of the linkages of others that come with the suite, sorted: taken where they are named."""
+    """Names, sorted, of the published linkages that come with the suite; commands use them only where named."""
     return _names_on_shelf(LITERATURE)
 
 

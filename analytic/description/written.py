@@ -57,13 +57,13 @@ def fixed(value: float, digits: int) -> str:
 
 
 def signed(value: float, form: str) -> str:
-    """A difference with its sign, in a format such as ".2f"; without a sign where it is rounded to zero."""
+    """A difference as text with its sign, in a format such as ".2f"; without a sign if it rounds to zero."""
     text = f"{value:+{form}}"
     return text if text.strip("+-0.e%") else text[1:]
 
 
 def change(share: float, form: str = ".2f") -> str:
-    """A relative change in per cent."""
+    """A relative change as text in per cent, with its sign."""
     return f"{signed(100.0 * share, form)} %"
 
 

@@ -197,7 +197,7 @@ class _Design:
         return self._moved(listed, signals, places, ways, zero_of_s)
 
     def at_tops(self, signals: Sequence[str], places: Array, zero_of_s: Curve) -> list[Curve]:
-        """As ``curves``, at tops (n,) of the signals: one at a corner of a load over S moves with the corner."""
+        """Signals and derivatives as from ``curves``, at tops (n,); one at a corner of a load over S moves with it."""
         curves = self.curves(signals, places, zero_of_s)
         corners = [corner for law in self.mechanism.linkage.laws if law.over == "S" for corner in law.corners]
         if not corners or ZERO_OF_S not in self._list(signals).trace.inputs:

@@ -64,7 +64,7 @@ class SignalExtreme(NamedTuple):
         return np.where(values < 0.0, -1.0, 1.0)
 
     def height(self, values: Array, side: Array | None = None) -> Array:
-        """What is largest at the extreme: the signal times ``side``, which is that of each value if None."""
+        """The number that is largest at the extreme: the signal times ``side``, by default that of each value."""
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:

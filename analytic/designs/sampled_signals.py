@@ -146,7 +146,7 @@ class Designs:
 
     @cached_property
     def zero_of_s(self) -> Mapping[str, Array]:
-        """By ``ZERO_OF_S`` the output's coordinate at the top dead centre (designs,), m; empty if no load is over S."""
+        """The output's top coordinate (designs,), m, from which S counts, by ``ZERO_OF_S``; {} without loads over S."""
         if self.trace is None or ZERO_OF_S not in self.trace.trace.inputs:
             return {}
         turn, step = np.arange(TURN) * (FULL_TURN / TURN), FULL_TURN / TURN

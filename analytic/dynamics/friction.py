@@ -92,9 +92,10 @@ def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tupl
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """As ``joint_forces.reactions``, with friction; of a linkage at rest that against a motion that would begin.
+    """Forces of all joints with friction, N, for a crank speed, rad/s, and acceleration, rad/s².
 
-    A guide's force is that across it. Raises LinkproofError where the linkage is self-locking.
+    At rest, friction acts against a motion that would begin. A guide's force is the part across it. Raises
+    LinkproofError where the linkage is self-locking.
     """
     plain = joint_forces.reactions(sweep, speed, acceleration)
     if not sweep.linkage.friction:
@@ -147,7 +148,7 @@ def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> NDArr
 
 
 def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]) -> tuple[Array, NDArray[np.bool_]]:
-    """As ``_equilibrium``, from no friction on, by ``shares`` of the coefficients one after the other.
+    """Solve as ``_equilibrium`` does by Newton's method, for ``shares`` of the coefficients one after the other.
 
     The branch of small coefficients has a determinant above zero. The step after one within LAST is rounding.
     """

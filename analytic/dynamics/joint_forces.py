@@ -168,13 +168,17 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> JointWrenches:
     if isinstance(group, Group):
         return _wrenches_by_equilibrium(balance, group)
     if isinstance(group, DrivenLink):
-        return _of_driven_link(balance, group)
+        return _wrenches_of_driven_link(balance, group)
     assert isinstance(group, Dyad)
-    return _through_pin(balance, group) if isinstance(group.inner_joint, Revolute) else _through_slide(balance, group)
+    return (
+        _wrenches_of_pin_dyad(balance, group)
+        if isinstance(group.inner_joint, Revolute)
+        else _wrenches_of_slide_dyad(balance, group)
+    )
 
 
-def _through_pin(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
-    """By d₁·N = m₁ and −d₂·N = m₂, for what the outer joints leave to it, N is the force of the inner pin."""
+def _wrenches_of_pin_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
+    """Wrenches of a dyad with an inner pin, whose force N follows from d₁·N = m₁ and −d₂·N = m₂."""
     first, inner, second = dyad.joints
     assert isinstance(inner, Revolute)
     d, m = _left_by(balance, first, inner.far_local)
@@ -185,8 +189,8 @@ def _through_pin(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
     return [(first, outer[0]), (inner, (*n, 0.0)), (second, outer[1])]
 
 
-def _through_slide(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
-    """The inner slide passes on the first link's moment about its pin; its force n f⊥ is what the second link lacks."""
+def _wrenches_of_slide_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
+    """Wrenches of a dyad with an inner slide, which passes on the first link's moment and a force n f⊥."""
     first, inner, second = dyad.joints
     f, gap, need = _slide_direction(balance, inner), balance.gap(dyad.second, dyad.first), balance.needs[dyad.second]
     passed = balance.needs[dyad.first][2]
@@ -200,8 +204,8 @@ def _through_slide(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
     return [(first, _outer_wrench(balance, first, (-x, -y))), (inner, slide), (second, outer)]
 
 
-def _of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWrenches:
-    """By d·u p = m, for what the outer joint leaves to it, the cylinder pushes with p along u."""
+def _wrenches_of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWrenches:
+    """Wrenches of a link that a cylinder drives; its push p along u follows from d·u p = m."""
     u, at = balance.direction(group.cylinder), group.cylinder.far_local
     d, m = _left_by(balance, group.outer, at)
     push = m / dot(d, u)
@@ -211,7 +215,7 @@ def _of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWrenches:
 
 
 def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scalar]:
-    """The column d along which a point of a link moves on its outer joint, and the link's need against that motion."""
+    """The direction d in which a link's point moves on its outer joint, and the link's unmet load along it."""
     need = balance.needs[outer.far]
     if isinstance(outer, Revolute):
         return frames.across(balance.arm(outer.far, at)), need[2]
@@ -220,7 +224,7 @@ def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scal
 
 
 def _outer_wrench(balance: LinkBalance, outer: Joint, more: Pair, moment: Scalar = 0.0) -> Wrench:
-    """The wrench of an outer joint: what its link needs and ``more``, a force and, of a slide, a moment."""
+    """The wrench of an outer joint: its link's unmet load and ``more``, a force and, of a slide, a moment."""
     x, y, turn = balance.needs[outer.far]
     force = (x + more[0], y + more[1])
     if isinstance(outer, Revolute):
@@ -249,7 +253,7 @@ class UnitReaction:
 
 
 def _wrenches_by_equilibrium(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint, Wrench]]:
-    """As ``group_wrenches``, for a group of class III or higher: the equilibrium of all its links as one linear system.
+    """Wrenches of a group of class III or higher, from the equilibrium of all its links as one linear system.
 
     A wrench acts on the joint's far body, about that body's reference point (of a pin: at the pin).
     """

@@ -39,7 +39,7 @@ class Load:
         return Load(self.body, self.at, force, None if self.torque is None else factor * self.torque)
 
     def power(self, sweep: Sweep) -> Scalar:
-        """Its power at unit speed of the driver, N m."""
+        """The load's power at unit speed of the driver, N m."""
         turned = None if self.torque is None else self.torque * sweep.rates(self.body)[2]
         if self.force is None:
             return turned
@@ -146,7 +146,7 @@ def drags(sweep: Sweep) -> Iterator[Between]:
 
 
 def _span(sweep: Sweep, spring: Spring, order: int = 0) -> Pair:
-    """From the second end of a spring to the first, m, or its derivative of an order."""
+    """The vector from a spring's second end to its first, m, or its derivative of an order over φ."""
     ends = zip(spring.points, spring.links, strict=True)
     return frames.minus(*(sweep.local_point(body, sweep.linkage.local(point, body), order) for point, body in ends))
 

@@ -266,7 +266,7 @@ class EquationOfMotion:
 
     @property
     def timing(self) -> TimeDependence:
-        """What an integrator needs of the torque over time: its part of φ̈, and the times of its kinks, s."""
+        """The torque over time as an integrator needs it: its part of φ̈, and the times of its kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:

@@ -156,7 +156,7 @@ class _Margins:
         return solvers
 
     def margins(self, offset: Array) -> Array:
-        """Of each group the remaining length over the lengths it comes from, negative where it fails; (groups, ...).
+        """Each group's remaining length over the lengths it comes from, (groups, ...); negative where it fails.
 
         The margin of two crossing lines is the sine of their angle. Behind a group that fails margins have no meaning.
         """
@@ -175,7 +175,7 @@ class _Margins:
         return rows
 
     def toggle(self, offset: float, row: int) -> Toggle:
-        """The limit at an offset from the start: the group and the position of its links."""
+        """The limit at an offset, rad, from the start: the group numbered ``row`` and the position of its links."""
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
             return Toggle(self.start + offset, solver.group, f"its links stand {DEAD}")

@@ -47,7 +47,7 @@ class DyadSolver:
         return _of_links(self.link_poses)
 
     def _of_hosts(self, known: Mapping[str, Any]) -> tuple[Any, Any]:
-        """What is ``known`` of the two hosts: their poses or a derivative of them."""
+        """The poses of both hosts, or a derivative of them, out of those ``known``."""
         first, second = self.hosts
         return known[first], known[second]
 
@@ -93,7 +93,7 @@ class DyadSolver:
 
 
 def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
-    """What was computed of the links alone: a cylinder, which is no link, has None."""
+    """The results of links out of those of sides; a cylinder, which is no link, has None."""
     return tuple(part for part in sides if part is not None)
 
 
@@ -124,7 +124,7 @@ def check_assembly(
 def check_motion(
     linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array, faults: Booleans | None = None
 ) -> None:
-    """As ``check_assembly``, at the first crank angle at which the dyad stands in a dead position.
+    """Raise AssemblyError, or set ``faults``, at the first crank angle with the dyad in a dead position.
 
     The branch of a group of a higher class ends before its dead positions.
     """

@@ -272,7 +272,7 @@ class _PinDyad(_DyadForm):
         return tuple(link and side.second(link, slope) for side, link, slope in slopes)
 
     def least_determinant(self) -> Scalar:
-        """That of columns which are parallel but for ``LEAST_SINE``."""
+        """The determinant of columns that are parallel but for ``LEAST_SINE``: the bound of a dead position."""
         first, second = self.sides
         return LEAST_SINE * first.length * second.length
 
@@ -320,7 +320,7 @@ class RRR(_PinDyad):
         return first.pose(first.r), second.pose(second.r)
 
     def dead_position(self) -> str:
-        """The arms are stretched or folded."""
+        """The words for a dead position: the arms are stretched or folded."""
         first, second = self.sides
         return "stretched in one line" if np.all(frames.dot(first.r, second.r) < 0.0) else "folded in one line"
 
@@ -330,7 +330,7 @@ class RRR(_PinDyad):
         return np.sqrt(frames.dot(d, d))
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """The smaller of the arms' sum less AB, and AB less their difference."""
+        """The smaller of arms' sum less AB and AB less arms' difference, m, and the lengths it comes from."""
         first, second = (side.length for side in self.sides)
         gap = self.gap()
         return np.minimum(first + second - gap, gap - abs(first - second)), self._bases_size() + first + second
@@ -348,7 +348,7 @@ class RRR(_PinDyad):
         first.length, second.length = 0.5 * (total + difference), 0.5 * (total - difference)
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """Whether the arms are too short for the gap or one is too long, as a fault and a sentence."""
+        """The shortfall, as a fault and a sentence: both arms too short for the gap, or one too long."""
         dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
         gap = at(self.gap())
         links = f"'{dyad.first}' ({written(first)}) and '{other}' ({written(second)})"
@@ -386,15 +386,15 @@ class RRP(_PinDyad):
         return rod.pose(rod.r), rail.pose(self.pin)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
-        """As the base class, with the sides exchanged."""
+        """The unknown rates, solved with the sides exchanged, since the slide comes second."""
         return super()._solved(carried[::-1])  # r⊥ × e is −r · e
 
     def dead_position(self) -> str:
-        """The arm is square to the line."""
+        """The words for a dead position: the arm is square to the line."""
         return f"'{self.joints[0].far}' square to the guide of '{self.joints[2].far}'"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Length of the arm less A's distance from the line."""
+        """The arm's length less A's distance from the line, m, and the lengths it comes from."""
         length = self.sides[0].length
         return length - abs(self.offset), self._bases_size() + length
 
@@ -403,7 +403,7 @@ class RRP(_PinDyad):
         self.sides[0].length -= margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """That the arm does not reach the line, as a fault and a sentence."""
+        """The shortfall, as a fault and a sentence, of an arm that does not reach the line."""
         dyad, distance, length = self.dyad, at(abs(self.offset)), self.sides[0].length
         return UNASSEMBLED, (
             f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
@@ -416,7 +416,7 @@ class PRP(_PinDyad):
     """Two lines: C = base₁ + t e = base₂ + u f, with one assembly mode; the determinant is e × f."""
 
     def make_sides(self) -> tuple[Any, Any]:
-        """The two slides."""
+        """Both slides."""
         first, inner, second = self.joints
         return Rail(first, inner.far_local), Rail(second, inner.near_local)
 
@@ -509,7 +509,7 @@ class RPR(_SlideDyad):
         return LEAST_SINE * (_magnitude_sum(self.pin, self.side.base) + abs(self.offset))
 
     def dead_position(self) -> str:
-        """The slide is square to the line through the outer pins."""
+        """The words for a dead position: the slide is square to the line through the outer pins."""
         return f"the slide square to the line of '{self.joints[0].name}' and '{self.joints[2].name}'"
 
     def gap(self) -> Scalar:
@@ -517,7 +517,7 @@ class RPR(_SlideDyad):
         return np.sqrt(frames.dot(self.side.r, self.side.r))
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
+        """Distance AB less the line's offset from B, m, and the lengths it comes from; for no offset, AB itself."""
         offset, pins = abs(self.offset), _magnitude_sum(self.pin, self.side.base)
         return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
 
@@ -526,7 +526,7 @@ class RPR(_SlideDyad):
         self.offset += np.sign(self.offset) * margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """Whether the offset is too large or A lies on B, as a fault and a sentence."""
+        """The shortfall, as a fault and a sentence: the offset too large, or A on B."""
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:
             return UNDETERMINED, (
@@ -544,7 +544,7 @@ class RPP(_SlideDyad):
     """Two lines of one direction each: A = base + x e + t f, with one assembly mode; the determinant is f × e."""
 
     def make_sides(self) -> tuple[Any]:
-        """The slide."""
+        """The slide, as the only side."""
         first, inner, second = self.joints
         return (Rail(second, point_on_rail(inner, first.far_local)),)
 
@@ -568,7 +568,7 @@ class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """Whether the cylinder is too short or too long, as a fault and a sentence."""
+        """The shortfall, as a fault and a sentence: the cylinder too short or too long."""
         length, link = at(self.coordinate), self.dyad.first
         return UNASSEMBLED, f"the cylinder of {written(length)} does not reach '{link}'; stay within its range"
 
@@ -577,7 +577,7 @@ class TurnedLink(_DrivenForm, RRR):
     """A link on a pin: the triangle of its arm, the cylinder and the line between their pins (law of cosines)."""
 
     def make_sides(self) -> tuple[Any, Any]:
-        """The arm, and the cylinder."""
+        """The arm as first side, the cylinder as second."""
         outer, cylinder = self.joints
         return _rod(outer, cylinder.far_local), Strut(cylinder, self.coordinate)
 
@@ -586,12 +586,12 @@ class PushedLink(_DrivenForm, RRP):
     """A link on a slide: the cylinder's far end is where the circle about its near end crosses a line."""
 
     def make_sides(self) -> tuple[Any, Any]:
-        """The cylinder, and the slide."""
+        """The cylinder as first side, the slide as second."""
         cylinder, outer = self.joints
         return Strut(cylinder, self.coordinate), Rail(outer, cylinder.far_local)
 
     def dead_position(self) -> str:
-        """The cylinder is square to the line."""
+        """The words for a dead position: the cylinder is square to the line."""
         return f"the cylinder square to the guide of '{self.dyad.first}'"
 
 

@@ -55,7 +55,7 @@ def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
 
 
 def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
-    """From a point of the near body to one of the far body, and the derivatives up to an order."""
+    """The vector from the near body's point to the far body's, and its derivatives up to an order."""
     return [
         frames.minus(point_derivative(far, far_point, k), point_derivative(near, near_point, k))
         for k in range(order + 1)

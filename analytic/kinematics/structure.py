@@ -41,7 +41,7 @@ class Revolute:
 
     @property
     def name(self) -> str:
-        """The joint, for a reader."""
+        """The joint's name for a reader."""
         return f"pin '{self.point}'"
 
 
@@ -61,7 +61,7 @@ class Prismatic:
 
     @property
     def name(self) -> str:
-        """The joint, for a reader."""
+        """The joint's name for a reader."""
         return f"slide of '{self.near}' and '{self.far}'"
 
 
@@ -99,23 +99,23 @@ class ClosedGroup(ABC):
 
     @property
     def name(self) -> str:
-        """Links and kind, for a reader."""
+        """The group's links and kind, for a reader."""
         return f"{' + '.join(self.links)} ({self.kind})"
 
     @property
     def words(self) -> str:
-        """Its links, quoted, for a sentence."""
+        """The group's links, quoted, for a sentence."""
         return " and ".join(f"'{link}'" for link in self.links)
 
     @property
     @abstractmethod
     def links(self) -> tuple[str, ...]:
-        """The links that it places."""
+        """Names of the links that the group places."""
 
     @property
     @abstractmethod
     def joints(self) -> tuple[GroupJoint, ...]:
-        """Its joints, outer ones seen from a placed body."""
+        """The group's joints, outer ones seen from a placed body."""
 
 
 @dataclass(frozen=True)
@@ -186,14 +186,14 @@ class Group:
 
     @property
     def kind(self) -> str:
-        """Its class, or that the driving cylinder is part of it, and that it is solved by numbers."""
+        """The group's class in words, with the driving cylinder if it is part, and that it is solved numerically."""
         if any(isinstance(joint, DrivenDistance) for joint in self.joints):
             return "with the cylinder, numerical"
         return f"{ROMAN.get(self.grade, str(self.grade))}, numerical"
 
     @property
     def name(self) -> str:
-        """Links and kind, for a reader."""
+        """The group's links and kind, for a reader."""
         return f"{' + '.join(self.links)} ({self.kind})"
 
 

@@ -199,7 +199,7 @@ class Sweep:
 
     @cached_property
     def _carriers(self) -> dict[str, str]:
-        """By the name of a point, the moving link on it that is solved first."""
+        """The moving link that carries each point and is solved first, by the point's name."""
         links = self.linkage.links
         order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
         return {point: body for body in reversed(order) if body in links for point in links[body].points}

@@ -73,7 +73,7 @@ def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
 
 
 def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array, Array]:
-    """As ``highest``, where ``curves`` gives only those of the numbers ``rows`` (r,), as (r, m)."""
+    """Highest values and places as from ``highest``; ``curves`` gives only those numbered ``rows`` (r,), as (r, m)."""
     sampled = tops(values)
     result = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
 

@@ -84,9 +84,9 @@ def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFig
 
 
 def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; nothing for a massless linkage.
+    """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; none for a massless linkage.
 
-    Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
+    Each peak comes with the other two quantities at its instant. Means have a sign, the RMS has none.
     """
     if "Mkr" not in peaks:
         return
@@ -240,7 +240,7 @@ def _peak_speed_time(curves: Curves) -> float:
 
 
 def _loaded_links(curves: Curves) -> dict[str, str]:
-    """By joint the link on which its force acts."""
+    """The link on which each joint's force acts, by the joint."""
     linkage, sweep = curves.linkage, curves.case.start()
     pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
     sliders = {slider.name: slider.link for slider in linkage.sliders}

@@ -238,7 +238,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
 
 
 def file_facts(linkage: Linkage) -> Facts:
-    """What a linkage's file says of its origin and its links."""
+    """The facts that a linkage's file gives of its origin and its links."""
     return {
         "mechanism": linkage.name,
         "title": linkage.title,
@@ -369,7 +369,7 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
 
 def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """By group the least transmission angle, rad, and where the range has it."""
+    """The least transmission angle of each group, rad, and its place in the range."""
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)

@@ -82,7 +82,7 @@ def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
 
 
 def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
-    """By row the ends, rad or m, of the stretch around its best place where it does not bind; [] if it always does.
+    """For each row, the ends, rad or m, of the stretch around its best place without binding; [] without one.
 
     ``angles`` (rows, n) are the transmission angles that ``function`` gives over ``grid`` (n,).
     """

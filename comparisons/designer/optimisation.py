@@ -144,7 +144,7 @@ class Optimum:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Sentences that warn a reader of the best design, as about bounds reached."""
+        """Sentences that warn a reader of the best design: on open ends, and on loads over φ that stay behind."""
         loads = self.problem.case.loads_that_stay([self.after])
         return [*filter(None, (self.at_open_end.sentence, loads))]
 
@@ -256,7 +256,7 @@ def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], req
 
 
 def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
-    """Those figures of these names that the linkage has; others are left out."""
+    """The figures of these names, without those that the linkage lacks."""
     figures: list[NamedFigure] = []
     for name in names:
         try:

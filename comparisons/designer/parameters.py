@@ -88,7 +88,7 @@ class Parameter(Named):
     value: float
 
     def _unit_size(self, unit: str) -> float:
-        """As ``Named``; the units of a linkage's file are those of the number's kind."""
+        """Size, SI, of a unit of the number's kind; raises LinkproofError for a unit of another kind."""
         if self.kind not in UNITS:
             return super()._unit_size(unit)
         try:
@@ -114,7 +114,7 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
 
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
-    """What conditions say of the masses of designs; "" where ``names``, which vary, have no moving link's length."""
+    """A sentence on the masses of designs for the conditions; "" where no length of a moving link varies."""
     places = {name: number.path for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""

@@ -179,7 +179,7 @@ class Constraint(NamedTuple):
         return self.low == self.high
 
     def violation(self, value: Array) -> Array:
-        """By how much values of the figure, SI, are outside of the range; 0 inside."""
+        """The distance of values, SI, from the range, outside of it; 0 inside."""
         return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
 
 

@@ -160,7 +160,7 @@ class Sheet:
 
     @cached_property
     def _ingredients(self) -> dict[str, float]:
-        """By signal, the size, SI, of the terms it is the sum of, which decides the rounding left where they cancel."""
+        """The size, SI, of the terms that a signal sums up, by signal: their rounding stays where they cancel."""
         extent = self.linkage.extent()
         torque = self._scales.get(("joint_force", "N"), 0.0) * (1.0 if self.is_linear else extent)
         speed = self._scales.get(("omega", self.units.get("omega", "")), 0.0)

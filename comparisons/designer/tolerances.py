@@ -361,7 +361,7 @@ class ToleranceStudy:
 
     @cached_property
     def contributions(self) -> Array:
-        """By how much each tolerance moves each result, ± (results, tolerances).
+        """The change, ±, of each result by each tolerance alone, (results, tolerances), SI.
 
         From its derivative; where two maxima tie no derivative exists, and it is the larger of the changes.
         """
@@ -381,7 +381,7 @@ class ToleranceStudy:
 
     @property
     def worst(self) -> Array:
-        """By how much all tolerances together move each result at most, by the derivatives: ± (results,)."""
+        """The largest change, ±, of each result by all tolerances together, by the derivatives, (results,), SI."""
         return np.asarray(np.sum(self.contributions, axis=1))
 
     @property

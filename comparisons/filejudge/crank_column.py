@@ -70,7 +70,7 @@ class ColumnMotion(CrankMotion):
 
     @cached_property
     def doubt(self) -> float:
-        """By how much its acceleration differs from that of columns that would be printed the same, rad/s²."""
+        """The largest difference of its acceleration, rad/s², from those of columns that would be printed alike."""
         time = np.linspace(0.0, self.duration, 501)
         return max(float(np.max(np.abs(o.acceleration(time) - self.acceleration(time)))) for o in self.likewise)
 
@@ -95,7 +95,7 @@ class _Samples:
         return float(self.time[-1])
 
     def thinned(self, most: int) -> _Samples:
-        """At most about so many of the samples, equally spread; the duration is kept."""
+        """About ``most`` of the samples, equally spread over the same duration."""
         few = np.unique(np.linspace(0, len(self.time) - 1, min(most, len(self.time))).astype(int))
         return replace(self, time=self.time[few], values=self.values[few], rounding=self.rounding[few])
 
@@ -329,7 +329,7 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
         return np.concatenate([[time[0]] * (degree + 1), np.sort(corners), [time[-1]] * (degree + 1)])
 
     def residual(corners: Array) -> Array:
-        """What the least-squares spline with these corners, s, leaves of the column, over its rounding, (n,)."""
+        """Column less least-squares spline with these corners, s, over the column's rounding, (n,)."""
         curve = scipy.interpolate.make_lsq_spline(
             time, samples.values, knots(corners), degree, w=1.0 / samples.rounding
         )

@@ -141,7 +141,7 @@ class Fitting:
         return np.where(signal.over & np.isnan(residual), self.before[number], residual)  # left open, unexplained
 
     def evaluate(self, fault: Hypothesis, numbers: float | Iterable[float], digits: int = NOT_ROUND) -> Fit | None:
-        """What a fault leaves of the columns with exactly these numbers; None where it cannot be simulated.
+        """The fit of a fault with exactly these numbers; None where it cannot be simulated.
 
         ``digits`` goes into the Fit: how round the number is.
         """
@@ -471,7 +471,7 @@ def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
 
 
 def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None) -> dict[str, Correction]:
-    """What undoes a cause of the difference in some signals: corrections of columns, by the names of signals.
+    """The corrections that undo a cause, by the names of the signals whose columns are corrected.
 
     Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis.
     """

@@ -492,7 +492,7 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
 
 
 def _number_words(name: str, number: Number) -> str:
-    """What a number of the description is, in words."""
+    """The words for a number of the description, by its name: "the mass of 'rod'"."""
     part, *_, last = number.path
     form = NUMBER_WORDS.get((str(part), str(number.path[2]) if part == "links" else ""), "'{name}'")
     axis = "xy"[last] if isinstance(last, int) else ""

@@ -75,7 +75,7 @@ def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array
 
 
 def jump_sizes(model: Simulation, signal: SignalTimes) -> Array:
-    """By how much the closed form of a signal changes at the jump near each sample, (n,); 0 away from jumps."""
+    """The change of the closed form of a signal at the jump near each sample, (n,), SI; 0 away from jumps."""
     sizes = np.zeros(len(signal.time))
     if unit(signal.name, model.linkage) not in JUMPING:
         return sizes

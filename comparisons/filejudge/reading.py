@@ -58,7 +58,7 @@ class MapEntry:
         return LinkproofError(f"--map '{shortened(self.text)}': {message}")
 
     def meaning(self, parser: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
-        """What the column means, and its correction, SI; raises LinkproofError for an unknown signal or unit."""
+        """The meaning of the column and its correction, SI; raises LinkproofError for an unknown signal or unit."""
         if self.signal not in (TIME, *parser.signals):
             raise self.fail(str(UnknownNameError("signal", self.signal, (TIME, *parser.signals))))
         si, unit = parser.unit(self.signal).dimension, parse_unit(self.unit)
@@ -96,7 +96,7 @@ def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEn
 
 
 def _lines(given: str) -> list[str]:
-    """The entries of one ``--map``: the lines of the file that it names, or the text itself."""
+    """The entries of one ``--map``: the lines of a file that it names, or its own text."""
     if "=" in given:
         return [given]
     return [*filter(str.strip, read_text(Path(given), expected=f"{ENTRIES}, or a file of such lines").text.split("\n"))]

@@ -120,7 +120,7 @@ class Simulation:
         return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
 
     def _seen_of_motion(self) -> dict[tuple[str, bytes], Array]:
-        """What is known of signals that masses and loads do not concern."""
+        """The cache of signals that do not depend on masses and loads, by name and clock."""
         return {key: values for key, values in self._seen.items() if _unit(key[0], self.linkage) in OF_MOTION}
 
     def _truth(self, time: Array, clock: bytes) -> Truth:
@@ -133,7 +133,7 @@ class Simulation:
         return truth
 
     def _knobs(self, name: str) -> ColumnKnobs:
-        """What is changed in the column of this name; no change by default."""
+        """The changes of the column of this name; by default none."""
         return self.columns.get(name) or ColumnKnobs(name)
 
     def _column(self, curve: SignalTimes, truths: dict[bytes, Truth]) -> Array:
@@ -167,7 +167,7 @@ def _unit(name: str, linkage: Linkage) -> str:
 
 
 def _centrifugal(sweep: Sweep) -> Array:
-    """What a unit speed's centrifugal forces of all mass centres do at the origins of their links' frames, kg m²."""
+    """Power of the mass centres' centrifugal forces as if at their links' origins, at unit speed, kg m²."""
     total: Array = np.zeros(sweep.angle.shape)
     for name, link in sweep.linkage.links.items():
         (x, y), (at_x, at_y), (u, v) = sweep.centre(name), *(sweep.local_point(name, (0.0, 0.0), k) for k in (0, 1))

@@ -97,21 +97,21 @@ class ExudynModel:
         }
 
     def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, str, Any] | None = None) -> int:
-        """Number of a new item in its category."""
+        """Add an item to its category; returns its number there."""
         self.items.append((category, kind, data, law))
         self.counts[category] += 1
         return self.counts[category] - 1
 
     def add_sensor(self, kind: str, output: str, **data: int) -> int:
-        """Number of a new sensor on a node or an object."""
+        """Add a sensor on a node or an object; returns its number."""
         return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
     def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
-        """Number of a new object."""
+        """Add an object; returns its number."""
         return self._add_item("Object", kind, data, law)
 
     def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
-        """Number of a new marker."""
+        """Add a marker; returns its number."""
         return self._add_item("Marker", kind, data)
 
     def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
@@ -119,13 +119,13 @@ class ExudynModel:
         self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
     def _angle_marker(self, body: str) -> int:
-        """Marker of a body's angle, or of the ground's."""
+        """Add a marker of a body's angle, or of the ground's; returns its number."""
         if body == GROUND:
             return self.fixed
         return self._add_marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
 
     def _point_marker(self, body: str, anchor: Vector) -> int:
-        """Marker of a point of a body together with the body's orientation."""
+        """Add a marker of a body's point and orientation; returns its number."""
         return self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
 
     def _add_body(self, body: Body) -> None:
@@ -343,7 +343,7 @@ SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
 
 
 def _extrapolated_method(count: int) -> tuple[str, ExudynRecipe]:
-    """What a method of ``count`` extrapolated runs is, in a sentence, and its recipe."""
+    """The method of ``count`` extrapolated runs: its description in a sentence, and its recipe."""
     parts = ", 1/".join(map(str, ODD_RATIOS[:count]))
     about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
     return about, replace(TRAPEZOIDAL, ratios=ODD_RATIOS[:count], effort=1e-12)

@@ -35,7 +35,7 @@ LARGEST_CHANGE = 1e-2
 
 
 def polynomial(coefficients: Sequence[float], x: Any, order: int = 0) -> Any:  # noqa: ANN401 - exudyn has symbols too
-    """Value or derivative of a polynomial, lowest power first."""
+    """Value, or derivative of an ``order``, of a polynomial at ``x``, coefficients of the lowest power first."""
     for _ in range(order):
         coefficients = [power * each for power, each in enumerate(coefficients)][1:] or [0.0]
     return reduce(lambda total, each: total * x + each, coefficients[-2::-1], coefficients[-1] + 0.0 * x)
@@ -122,7 +122,7 @@ class ExudynWorld:
         return float(polynomial(coefficients, time - start, order))
 
     def function(self, law: tuple[str, str, Any]) -> Data:
-        """The user function of an item, by argument name: over time, over φ, or those of a linear driver."""
+        """The arguments of an item that hold its user function: over time, over φ, or of a linear driver."""
         by, name, values = law
         if by == "gap":
             return self.linear.functions()

@@ -118,9 +118,9 @@ def _load_obstacles(load: object, law: Law, abilities: Abilities) -> Iterator[st
 
 
 def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
-    """The first fault of a scene's data, or of a start that does not fit the joints, in one sentence; else None.
+    """The first fault of a scene's data, or of a start that does not fit the joints, in a sentence; None without.
 
-    ``massless`` bodies, and such without a moment of inertia, are allowed for some engines.
+    ``massless`` allows bodies without mass or without a moment of inertia.
     """
     return next(_data_faults(scene, 0.0 if massless else LEAST), None) or start_misfit(scene)
 

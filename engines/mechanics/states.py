@@ -60,11 +60,11 @@ class Pose:
         return result
 
     def arm(self, body: int, anchor: Vector) -> Reals:
-        """From a body's mass centre to a point fixed in it, (n, 2)."""
+        """The vector from a body's mass centre to a point fixed in it, (n, 2)."""
         return self.turned(np.array([anchor]), np.array([body]))[:, 0]
 
     def point(self, body: int, anchor: Vector) -> Reals:
-        """A point fixed in a body, (n, 2)."""
+        """The position of a point fixed in a body, (n, 2)."""
         return self.place[:, body] + self.arm(body, anchor)
 
 

@@ -220,7 +220,7 @@ def _layout_of_parts(
 
 
 def _arms(scene: Scene, parts: list[BodyPart] | tuple[BodyPart, ...]) -> Reals:
-    """From the mass centres of the owners to the parts', in the ground frame at the start, (parts, 2)."""
+    """The vectors from the owners' mass centres to the parts', in the ground frame at the start, (parts, 2), m."""
     owners = np.array([body_numbers(scene)[part.owner] for part in parts])
     arms = pose_of(start_motion(scene)[0]).turned(np.array([part.offset for part in parts]), owners)
     return np.asarray(arms[0])

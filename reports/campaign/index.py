@@ -160,7 +160,7 @@ class EngineRanking:
         return self.cells.get((engine, setting, family_name), EngineRecords(()))
 
     def row(self, engine: str, setting: str) -> list[EngineRecords]:
-        """The judged families of an engine at a setting."""
+        """The records of each family in which an engine was judged at a setting."""
         cells = (self.cell(engine, setting, name) for name in self.families)
         return [cell for cell in cells if cell.judged]
 
@@ -561,7 +561,7 @@ def _mechanisms_section(trust: EngineRanking | None, sheets: Sequence[Sheet]) ->
 
 
 def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    """What was run, limits, read-outs and limitations, behind a line that opens them."""
+    """The section, folded, on what was run: facts, limits, read-outs and limitations."""
     readouts = tuple(readout_table(name, words) for name, words in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
     says = Paragraph("Limits of these figures.")

@@ -64,7 +64,7 @@ class KinematicScheme:
 
     @cached_property
     def carriers(self) -> dict[str, str]:
-        """Of every named point a body that carries it: a moving link before the ground."""
+        """A body that carries each named point, by the point: a moving link before the ground."""
         moving = {point: name for name, link in self.linkage.links.items() for point in link.points}
         return dict.fromkeys(self.linkage.ground, GROUND) | moving
 

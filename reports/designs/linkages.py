@@ -88,7 +88,7 @@ class New(Study):
         return Printout((), [f"wrote {self.path}{self.beside}; next: linkproof check {argument}"])
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The path."""
+        """The path of the new file, JSON-ready."""
         return {"path": str(self.path)}
 
 
@@ -123,7 +123,7 @@ class Check(Study):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """0; raises the fault."""
+        """The exit code, 0; raises the linkage's fault if there is one."""
         if self.fault is not None:
             raise self.fault
         return 0
@@ -134,11 +134,11 @@ class Check(Study):
         return self.fault is None
 
     def failures(self) -> Sequence[str]:
-        """The fault."""
+        """The linkage's fault, if any, as the only member."""
         return [str(self.fault)]
 
     def sentence(self) -> Printed:
-        """The linkage, and its fault."""
+        """The linkage's name and, if any, its fault."""
         return str(self.fault or f"{self.facts['mechanism']} ({self.facts['variant']}): {self.facts['title']}")
 
     def printout(self) -> Printout:
@@ -157,7 +157,7 @@ class Check(Study):
         return scheme_figure(self.linkage, positions_over_range(Mechanism(self.linkage)))
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """What is saved in a file of a suffix; raises the fault of a linkage that cannot be drawn."""
+        """The content of a file with this suffix; raises the fault of a linkage that cannot be drawn."""
         if suffix != ".json" and self.fault is not None:
             raise self.fault
         if suffix != ".dxf":
@@ -176,7 +176,7 @@ class Check(Study):
         return [Path(file) for file in files]
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """How to draw it."""
+        """The command that draws the linkage, as a hint."""
         if saved or self.fault or not self.word:
             return ""
         return f"\nscheme       linkproof check {shlex.quote(self.word)} --save scheme.svg draws it"

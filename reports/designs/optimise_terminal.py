@@ -50,7 +50,7 @@ def aim(optimum: Optimum) -> str:
 
 
 def _numbers(optimum: Optimum) -> Table:
-    """A row per varied number: bounds, values before and after in the file's unit, change."""
+    """The table of varied numbers: bounds, values before and after in the file's unit, change."""
     rows = []
     for variable in optimum.problem.variables:
         name, size = variable.parameter.name, variable.parameter.unit.size
@@ -66,7 +66,7 @@ def _numbers(optimum: Optimum) -> Table:
 
 
 def _figures(optimum: Optimum) -> Table:
-    """A row per figure: values before and after in the file's unit, change, aim or constraint."""
+    """The table of figures: values before and after in the file's unit, change, aim or constraint."""
     figures = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
     aims = {named_figure.name for named_figure in optimum.problem.aims}
     rows = []

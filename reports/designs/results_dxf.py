@@ -60,7 +60,7 @@ def dxf(linkage: Linkage, positions: Positions, angle: float | None = None) -> s
 
 
 def _layers(parts: list[str]) -> dict[str, str]:
-    """By each part the name of its DXF layer, allowed there and unique without regard to capitals."""
+    """The DXF layer of each part: a name that DXF allows, unique without regard to capitals."""
     layers: dict[str, str] = {}
     taken = {"0", "defpoints", JOINTS, NAMES}
     for part in parts:

@@ -35,11 +35,11 @@ class Listing(Study):
         return Printout(self.parts, self.closing)
 
     def sentence(self) -> Printed:
-        """How many there are."""
+        """The number of listed entries, in a sentence."""
         return ", ".join(f"{len(rows)} {name}" for name, rows in self.table.items() if isinstance(rows, list))
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The same as data."""
+        """The listed rows as JSON-ready data."""
         return self.table
 
 

@@ -204,7 +204,7 @@ def _figure(
 
 
 def _plot_curves(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401 - an array of axes
-    """A panel per figure over one parameter; stretches without a design that assembles are hatched."""
+    """Draw a panel per figure over one parameter, hatched where no design assembles."""
     (parameter,) = designs.parameters
     x = designs.values(parameter)
     edges = _edges(x)
@@ -230,7 +230,7 @@ def _mark(axes: Axes, designs: DrawnDesigns, name: str, x: Array, own: float | N
 
 
 def _plot_maps(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
-    """A map per figure over two parameters, hatched where no design assembles, with contour lines."""
+    """Draw a map per figure over two parameters with contour lines, hatched where no design assembles."""
     across, upward = map(designs.values, designs.parameters)
     edges = _edges(across), _edges(upward)
     for axes, name in zip(grid.flat, designs.figures, strict=False):
@@ -254,7 +254,7 @@ def _plot_maps(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 
 
 def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
-    """A row per figure, a column per parameter, a dot per design; strokes at the foot do not assemble."""
+    """Draw figures down, parameters across, a dot per design; strokes at the foot are designs not assembled."""
     for row, (line, name) in enumerate(zip(grid, designs.figures, strict=True)):
         values = designs.values(name)
         fails = np.isnan(values)

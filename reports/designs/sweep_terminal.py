@@ -96,7 +96,7 @@ def own_parameters(request: SweepRequest) -> dict[str, float]:
 
 
 def _ends(study: SweepStudy, figure: int) -> Iterator[tuple[str, float, list[float]]]:
-    """Of a figure the least value, the file's own and the largest, with the parameters of each design."""
+    """The least value of a figure, the file's own and the largest, each with its design's parameters."""
     yield LEAST, *_extreme(study, figure, -1.0)
     yield "file's own", float(study.own[figure]), [*own_parameters(study.request).values()]
     yield "largest", *_extreme(study, figure, 1.0)

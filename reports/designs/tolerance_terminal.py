@@ -205,7 +205,7 @@ def _moving(study: ToleranceStudy, row: int) -> list[int]:
 
 
 def _plot_tornado(axes: Axes, study: ToleranceStudy, row: int, moving: Sequence[int]) -> None:
-    """The changes of one result at both limits of each parameter."""
+    """Draw the changes of one result at both limits of each parameter that moves it."""
     from reports.charts import draw  # noqa: PLC0415
 
     result, tolerances, shown = study.request.figures[row], study.request.tolerances, moving[:MOST]

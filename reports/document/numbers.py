@@ -43,7 +43,7 @@ def _scientific(value: float, digits: int, *, trailing: bool = True) -> str:
 
 
 def error(value: float | None) -> str:
-    """A deviation to two digits, with an exponent below one: 1.2e-5, 1.9."""
+    """A deviation as text to two digits, with an exponent below one: 1.2e-5, 1.9."""
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0 or 0.995 <= value < 100.0:
@@ -57,12 +57,12 @@ def steady_error(value: float | None) -> str:
 
 
 def bound(value: float | None) -> str:
-    """A limit as it stands in its table: 1e-4, 2.5e-6."""
+    """A limit as text, as it stands in its table: 1e-4, 2.5e-6."""
     return ABSENT if value is None else _scientific(value, 4, trailing=False)
 
 
 def decade(value: float) -> str:
-    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; for round-off always 1e-13."""
+    """The power of ten above a bound as text: 1e-9 for 2.3e-10; for round-off always 1e-13."""
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
@@ -99,7 +99,7 @@ def accept_any_text() -> None:
 
 
 def _replacement(fault: UnicodeError) -> tuple[str, int]:
-    """What is written for characters that the stream cannot encode, and the position to go on at."""
+    """Plain signs for characters that the stream cannot encode, and the position to go on at."""
     if not isinstance(fault, UnicodeEncodeError):
         raise fault
     return "".join(PLAIN.get(sign, "?") for sign in fault.object[fault.start : fault.end]), fault.end

@@ -46,7 +46,7 @@ class Study:
         raise NotImplementedError
 
     def to_dict(self) -> Mapping[str, Any]:
-        """What the command prints as JSON."""
+        """The data that the command prints as JSON."""
         raise NotImplementedError
 
     def json(self) -> str:
@@ -122,7 +122,7 @@ class Study:
         raise LinkproofError(f"a {type(self).__name__} has no pages: save a file, not '{folder}'")
 
     def hint(self, _saved: Sequence[Path]) -> str:
-        """A sentence on the next command for the user; "" for none."""
+        """A sentence on the user's next step; "" for none."""
         return ""
 
     def __repr__(self) -> str:

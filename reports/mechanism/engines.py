@@ -86,7 +86,7 @@ def errors_section(view: View, regime: Regime) -> Fold:
 
 
 def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -> Table:
-    """Quantities, then invariants, down; engines and settings across."""
+    """The table of a regime's errors: quantities, then invariants, down; engines and settings across."""
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
     result = [{record.quantity: record for record in run} for run in runs]
     rows = tuple(
@@ -138,7 +138,7 @@ def _reasons(runs: Sequence[Sequence[Error]]) -> tuple[str, ...]:
 
 
 def _runs_table(view: View, regime: Regime) -> Table:
-    """How every run was made, what it cost and where its figures come from."""
+    """The table of a regime's runs: how each was made, what it cost, and the origin of its figures."""
     made = {run.run: run for run in view.results.runs}
     rows = tuple(
         (

@@ -59,7 +59,7 @@ def _variants(rows: Sequence[Row]) -> list[str]:
 
 
 def _key(row: Row) -> tuple[Any, ...]:
-    """What tells a printed figure from others: quantity, value and source."""
+    """The key that identifies a printed figure: quantity, value and source."""
     return row["quantity"], row["published"], row["source"]
 
 

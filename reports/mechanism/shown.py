@@ -158,10 +158,10 @@ def key_table(sheet: Sheet) -> Table:
 
 
 def open_end_note(sheet: Sheet) -> str:
-    """What the mark behind numbers means, and how to keep away from the dead positions; for a sheet that has some."""
+    """A note on the mark of extremes at open ends and on how to avoid these; for a sheet that has some."""
     return f"{AT_OPEN_END} marks numbers at an open end of the motion: {sheet.open_end_warning}"
 
 
 def warning_texts(sheet: Sheet) -> list[str]:
-    """What a reader is warned of: extremes at open ends, and probable slips of the file."""
+    """Sentences that warn of extremes at open ends and of probable slips of the file."""
     return [*([open_end_note(sheet)] if sheet.open_end_warning else []), *warnings(sheet.linkage)]

@@ -80,7 +80,7 @@ class Sweep(Study):
         return sweep_figure(study.dataset, sweep_terminal.own_parameters(study.request), always)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """What is saved in a file of a suffix."""
+        """The content of a file with this suffix."""
         if suffix == ".csv":
             return partial(sweep_terminal.write_csv, self.study)
         return sweep_terminal.netcdf(self.dataset) if suffix == ".nc" else super().content(suffix, **form)
@@ -171,7 +171,7 @@ class Optimisation(Study):
         return optimise_terminal.before_after_figure(self.best, self.conditions)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """What is saved in a file of a suffix."""
+        """The content of a file with this suffix."""
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:
@@ -225,9 +225,9 @@ class Tolerance(Study):
         return self.dataset[over].to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """What each number contributes to each result."""
+        """A figure of the change of each result by each tolerance."""
         return tolerance_terminal.tornado_figure(self.study)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """What is saved in a file of a suffix."""
+        """The content of a file with this suffix."""
         return tolerance_terminal.csv_table(self.study) if suffix == ".csv" else super().content(suffix, **form)

@@ -57,7 +57,7 @@ def _type_names(types: Iterable[type]) -> list[str]:
 
 
 def _engine_parts(table: Mapping[str, Any]) -> list[Printed]:
-    """What is printed of one engine: its name and version, its abilities, its read-outs."""
+    """The printed parts of one engine: name and version, abilities, read-outs."""
     version = table["unusable"] or table["version"]
     control = ", the reference's control, no engine" if table["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")

@@ -102,7 +102,7 @@ class Results(Study):
         return results_figure(page_sheet(self.case), figure)
 
     def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
-        """What is saved in a file of a suffix."""
+        """The content of a file with this suffix."""
         if suffix == ".csv":
             return results_terminal.csv_table(self.sheet, decimal)
         if suffix == ".xlsx":

@@ -50,7 +50,7 @@ class Trials(Study):
     processes: int | None
 
     def store(self, folder: Path) -> None:
-        """Write the study into a folder, in the place of another of its kind."""
+        """Write the study into a folder, replacing one of its kind."""
         raise NotImplementedError
 
     def write(self, folder: str | Path) -> Path:
@@ -106,7 +106,7 @@ class Comparison(Trials):
 
     @property
     def changes(self) -> tuple[Change, ...]:
-        """What has changed since the results of ``against`` were recorded; those that appeared do not fail."""
+        """The changes since the results of ``against`` were recorded; those that appeared do not fail."""
         return self.results.changes
 
     @property
@@ -141,7 +141,7 @@ class Comparison(Trials):
         return with_runs(self.results.document, self.results.runs)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """Every record, or every curve as CSV."""
+        """The content of a file with this suffix: every curve for CSV, else every record."""
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
     def rows(self) -> Sequence[Mapping[str, Any]]:

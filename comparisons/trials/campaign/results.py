@@ -115,7 +115,7 @@ class CampaignResults:
 
     @cached_property
     def changes(self) -> tuple[Change, ...]:
-        """What has changed since the results that the campaign was compared with."""
+        """The changes since the results that the campaign was compared with."""
         return _CHANGES.validate_python(self.document.get("changes", ()))
 
     @property

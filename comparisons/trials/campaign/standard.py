@@ -80,7 +80,7 @@ def _figure_unit(name: str, linkage: Linkage) -> str:
 
 
 def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> list[Error]:
-    """The key figures of a request's cases; with ``every_variant`` of the linkages' other variants, too.
+    """The key figures of a request's cases as rows; ``every_variant`` adds those of the linkages' other variants.
 
     A variant that cannot follow a motion has none.
     """
@@ -97,7 +97,7 @@ def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> lis
 def changes_since(
     before: Iterable[Error], now: Iterable[Error], request: CampaignRequest, *, every_variant: bool = False
 ) -> tuple[Change, ...]:
-    """What has changed of what a request asks for since the rows ``before`` were recorded."""
+    """The changes since rows ``before`` were recorded, of those results that a request asks for."""
     is_asked = asked_rows(request, every_variant=every_variant)
     return tuple(changes(filter(is_asked, before), filter(is_asked, now)))
 

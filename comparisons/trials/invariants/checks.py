@@ -231,7 +231,7 @@ def weight_on_frame(inspection: Inspection) -> Balance:
 
 
 def _mean_force(motion: ObservedMotion, time: Array) -> Array:
-    """Mean over these times of all forces on the moving bodies from outside, the frame's joints among them, (2,), N."""
+    """The mean over these times of all forces on the bodies from outside, the frame's joints included, (2,), N."""
     scene = motion.scene
     loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
     total = np.mean(np.sum(loads, axis=1), axis=0)

@@ -148,7 +148,7 @@ class Change:
 
 
 def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]:
-    """What is not in rows ``after`` as it was ``before``, in the order of the rows' names: an outer join of the two."""
+    """The differences of rows ``after`` from rows ``before``, by the order of the names: an outer join of the two."""
     old, new = ({_place_of_row(row): row for row in rows} for rows in (before, after))
     roundings = _rounding_errors(old, new)
     for place in sorted(old.keys() | new.keys()):
@@ -177,7 +177,7 @@ def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[Mot
 
 
 def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> dict[MotionUnit, float]:
-    """By motion and unit, the rounding error of the largest recorded figure in that unit."""
+    """The rounding error of the largest recorded figure in each unit of each motion."""
     values: dict[MotionUnit, float] = {}
     for place, row in new.items():
         if row.engine == CLOSED_FORM and (was := old.get(place)) is not None and was.error_max is not None:

@@ -155,7 +155,7 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
-    """The output's coordinate or a time derivative of it, positive away from top dead centre."""
+    """The output's coordinate, m, or its derivative of an ``order``, positive away from top dead centre."""
     time = motion.signal(channel).time
     return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
 
@@ -421,7 +421,7 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
 
 
 def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
-    """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
+    """The largest error of the samples at an acceleration jump beyond the size of that jump, SI."""
     jumps = case.motion.jumps if quantity.holds_acceleration else ()
     beside = [near_jump(signal.time, case.motion, jump) for jump in jumps]
     if not np.any(beside):

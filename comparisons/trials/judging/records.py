@@ -86,7 +86,7 @@ class Error(NamedTuple):
 
     @property
     def run(self) -> RunName:
-        """The name of its run."""
+        """The name of the run that it belongs to."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
 
@@ -133,7 +133,7 @@ class RunRecord:
 
     @property
     def total_seconds(self) -> float:
-        """Set-up and stepping, s."""
+        """The time of set-up and stepping, s."""
         return self.setup_seconds + self.seconds
 
     @property
@@ -148,7 +148,7 @@ class RunRecord:
 
     @property
     def every(self) -> tuple[Error, ...]:
-        """Its errors, followed by its invariants."""
+        """The run's errors, followed by its invariants."""
         return (*self.errors, *self.invariants)
 
     def judged(self, judge: Callable[[Error], Error]) -> Self:

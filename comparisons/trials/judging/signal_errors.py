@@ -129,7 +129,7 @@ class SignalError:
 
     @property
     def scale_words(self) -> str:
-        """What an error is a share of, in words behind its number."""
+        """The words for the scale that an error is a share of, to follow its number."""
         if self.read.channel is not Channel.POSITION:
             return "of the peak"
         return "rad" if self.read.columns == ANGLE else "of the linkage's size"
@@ -147,7 +147,7 @@ class SignalError:
 
     @property
     def largest(self) -> float:
-        """The largest magnitude."""
+        """The largest magnitude of the errors, as a share of the scale."""
         return float(np.max(self.sizes))
 
     @property

@@ -98,10 +98,10 @@ def check_writable(path: Path) -> None:
 
 
 def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> None:
-    """Fill a neighbour of the file, then rename it to ``path``; raises LinkproofError if it cannot.
+    """Write a file whole or not at all, by renaming a filled neighbour; raises LinkproofError if it cannot.
 
-    A text is written in UTF-8, and a function writes the file that it is given. What a killed process has left of the
-    neighbour goes with the next write.
+    A text is written in UTF-8; a function is called with the path to write to. A neighbour that a killed process left
+    is overwritten by the next write.
     """
     place = _final_path(path)
     temporary = place.with_name(f".{crc32(os.fsencode(place.name)):08x}{place.suffix[:16]}")

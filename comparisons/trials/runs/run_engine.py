@@ -172,9 +172,9 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
 
 
 def checked(run: Run, model: Scene, name: str) -> Run:
-    """The run of the engine of this name, checked for readable samples that cover the whole motion.
+    """The run, if its samples are readable and cover the whole motion; else the run as diverged.
 
-    Raises AdapterError for what no simulation can do wrong.
+    Raises AdapterError for a breach of the contract that no simulation can excuse.
     """
     run = readable(run, model, name)
     if run.outcome is Outcome.FINISHED:

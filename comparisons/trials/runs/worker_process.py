@@ -72,7 +72,7 @@ def start_server(modules: Sequence[str]) -> None:
 
 @contextlib.contextmanager
 def _main_module_hidden() -> Iterator[None]:
-    """In the block, processes start without importing the main module, which none of their jobs needs.
+    """Let processes that start in the block not import the main module, which none of their jobs needs.
 
     So a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
@@ -152,7 +152,7 @@ class _Process:
 
     @property
     def exitcode(self) -> int | None:
-        """Its exit code, None while it runs; never 0, which pebble takes for an end that it has asked for."""
+        """The process' exit code, None while it runs; never 0, which pebble takes for an end that it asked for."""
         code: int | None = self._process.exitcode
         return _CLEAN_EXIT if code == 0 else code
 

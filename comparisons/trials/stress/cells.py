@@ -513,7 +513,7 @@ def _worst_first(errors: Iterable[Error]) -> list[Error]:
 
 
 def _alarm_words(check: Error, motion: ObservedMotion) -> str:
-    """What a check says of the motion, and when; of a joint that is open, which."""
+    """The words of a check about a motion, with the instant and, for an open joint, the joint."""
     at = check.worst_time
     gaps = motion.joint_gaps(np.array([at or 0.0]))
     joint = max(gaps, key=lambda name: float(gaps[name][0]))

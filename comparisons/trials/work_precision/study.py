@@ -191,7 +191,7 @@ class Rounds:
         )
 
     def run(self, number: int, points: Sequence[Point]) -> None:
-        """Measure points in a round, as long as there is time."""
+        """Measure points in the round ``number``, as long as there is time."""
         tasks = [self._point_task(number, point) for point in points if point.usage]
         self.study.expect(tasks)
         bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))

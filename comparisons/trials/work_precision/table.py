@@ -374,7 +374,7 @@ def standings(points: DataFrame) -> list[Standing]:
 
 
 def large_overheads(bench: Bench) -> list[Row]:
-    """Of every engine and setting the point with the largest overhead, where that is over ``LARGE_OVERHEAD``."""
+    """The point with the largest overhead of every engine and setting, where it exceeds ``LARGE_OVERHEAD``."""
     large = bench.table[bench.table.overhead.astype(float) > LARGE_OVERHEAD]
     worst = large.sort_values("overhead", ascending=False, kind="stable").drop_duplicates(["engine", "setting"])
     return rows(worst)
