@@ -60,7 +60,7 @@ class AssemblyError(LinkproofError):
 
 
 def symbol(name: str) -> str:
-    """A signal's or figure's name with the symbol of an accepted word: ``torque.peak`` is ``Mkr.peak``."""
+    """A signal's or figure's name with its word replaced by the symbol: ``torque.peak`` is ``Mkr.peak``."""
     ends = [place for place in (name.find("."), name.find("@")) if place >= 0]
     word = name[: min(ends, default=len(name))]
     return WORDS.get(word, word) + name[len(word) :]
@@ -115,14 +115,14 @@ def _differ_by_a_letter(name: str, other: str) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names as an enumeration in a sentence, at most MOST_NAMES of them."""
+    """Names as an enumeration for a sentence, at most MOST_NAMES of them."""
     every = list(names)
     more = f" and {len(every) - MOST_NAMES} more" if len(every) > MOST_NAMES else ""
     return ", ".join(map(shortened, every[:MOST_NAMES])) + more or "none"
 
 
 def shortened(text: str) -> str:
-    """A name cut at its end to LONGEST_NAME characters, for a message."""
+    """A name for a message, cut to LONGEST_NAME characters."""
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
 

@@ -50,7 +50,7 @@ def _error(path: Path, expected: str, fault: str) -> LinkproofError:
 
 
 def file_fault(path: Path, largest: int = LARGEST_TEXT) -> str | None:
-    """Why a path is no file that can be read, and what to do, as the end of a sentence; None if it is one."""
+    """The fault of a path that is no readable file, with the remedy, as the end of a sentence; None for a file."""
     try:
         status = path.stat()
     except (OSError, ValueError) as error:
@@ -63,7 +63,7 @@ def file_fault(path: Path, largest: int = LARGEST_TEXT) -> str | None:
 
 
 def _reason(error: OSError | ValueError) -> str:
-    """Why a path cannot be used; a name with a null character is a ValueError."""
+    """The reason, in words, why a path cannot be used; a null character in it raises a ValueError."""
     if isinstance(error, ValueError):
         return REASONS[errno.ENOENT]
     return REASONS.get(error.errno or 0, f"cannot be read ({error.strerror}); check the path")

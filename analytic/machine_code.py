@@ -88,7 +88,7 @@ class OperationList:
         )
 
     def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
-        """A function of numbers, noted; a plain number where all of them are constants."""
+        """Note a function of numbers and return the traced result; a plain number if all numbers are constants."""
         lines = tuple(self.line(number) for number in numbers)
         rows = [self.operations[line] for line in lines]
         values = [row.value if row.name == CONSTANT else None for row in rows]
@@ -582,7 +582,7 @@ class StraightFunction:
         return results
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
-        """Memory of a thread for so many chunks, the same as before: new memory costs more than the computation."""
+        """This thread's memory for so many chunks, reused, since new memory costs more than computing."""
         values: tuple[Array, Array] | None = getattr(self._scratch, "arrays", None)
         if values is None or len(values[0]) < chunks:
             values = self._scratch.arrays = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
@@ -591,7 +591,7 @@ class StraightFunction:
 
 @lru_cache(maxsize=32)
 def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
-    """The function of a source of ``analytic.machine_code``."""
+    """The compiled function of a source that ``python_source`` has made."""
     import numba  # noqa: PLC0415 - optional, and slow to import
 
     space: dict[str, Any] = {"math": math}
@@ -605,7 +605,7 @@ def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
 
 
 def cores() -> int:
-    """Processor cores this process may use."""
+    """Number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

@@ -72,7 +72,7 @@ class LinkageInMotion(ABC):
     @property
     @abstractmethod
     def farthest(self) -> Any:  # noqa: ANN401 - a number, or one for each design
-        """The output's coordinate at which S is 0, m."""
+        """The output's coordinate, m, from which S counts."""
 
     @cached_property
     def inertia(self) -> Array:
@@ -129,7 +129,7 @@ class MovingSweep(LinkageInMotion):
 
 
 def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, Scalar, Scalar]:
-    """A corner of the contour in space, m."""
+    """Position in space, m, of a stop of the thread: a corner of its contour."""
     if isinstance(stop, ThreadGuide):
         return stop.position
     x, y = sweep.point(stop.point)
@@ -291,7 +291,7 @@ def unit(name: str, linkage: Linkage) -> str:
 
 
 def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
-    """The unit of a quantity by name, whose ``unit`` is that of a linkage driven by a turning crank."""
+    """Unit of a quantity by name: ``unit`` or, for a linear driver, what takes its place."""
     return LINEAR_UNITS.get(name, unit) if is_linear else unit
 
 
@@ -337,12 +337,12 @@ def is_angle(name: str) -> bool:
 
 
 def is_wrapped(name: str, linkage: Linkage) -> bool:
-    """Whether a formula gives a signal within one turn, to be unwrapped along its angles."""
+    """Whether a formula gives the signal only within one turn, so that it has to be unwrapped along its angles."""
     return is_angle(name) and name != "phi" and (linkage.is_linear or name != f"link:{linkage.crank}:angle")
 
 
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
-    """Names of the points of the moving links that are not fixed to the ground, sorted."""
+    """Names, sorted, of the points of moving links that are not fixed to the ground."""
     return tuple(sorted({point for link in linkage.links.values() for point in link.points} - {*linkage.ground}))
 
 
@@ -472,7 +472,7 @@ def evaluate(
 
 
 def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
-    """A motion quantity as it is if scalar, else flattened like the angles; raises LinkproofError for another shape."""
+    """A scalar unchanged, or an array of the angles' shape flattened; raises LinkproofError for another shape."""
     values = np.asarray(value, dtype=float)
     if values.ndim and values.shape != angle.shape:
         raise LinkproofError(

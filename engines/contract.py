@@ -162,7 +162,7 @@ class Abilities:
     settings: frozenset[Setting] = frozenset(Setting)
 
     def as_dict(self) -> dict[str, dict[str, str]]:
-        """The read-outs as JSON has them, by channel."""
+        """The origins of the read-outs by channel, JSON-ready."""
         return {channel.value: asdict(readout) for channel, readout in self.readouts.items()}
 
 

@@ -77,7 +77,7 @@ class MujocoModel:
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
     def loads(self, numbers: Mapping[str, int]) -> list[tuple[Any, ...]]:
-        """Forces and torques: body, anchor, law, what it is over and when it acts, frame, body of the reaction."""
+        """Forces and torques as rows: body, anchor, law, its variable and direction, frame, reaction's body."""
         ground = numbers[GROUND]
         forces = [
             (
@@ -137,13 +137,13 @@ class MujocoModel:
         }  # fmt: skip
 
     def speed(self, branch: Branch) -> float:
-        """Start value of a hinge's or slide's rate."""
+        """Start rate of a branch's hinge, rad/s, or slide, m/s."""
         if isinstance(branch.joint, SliderJoint):
             return branch.speed
         return branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
 
     def joints(self) -> dict[str, tuple[str, str, float, tuple[float, float] | None]]:
-        """Where the force on every joint's first body is: at a body or an equality, its sign, and along what alone.
+        """Where the force on each joint's first body is read: body or equality, sign, and sole direction or None.
 
         A slot has become the pin of its block; of a driven slider's force, the drive's share is along its guide.
         """
@@ -186,7 +186,7 @@ class MujocoModel:
         return root
 
     def add_body(self, branch: Branch, parent: Element) -> Element:
-        """A body inside its parent, with the joint between them; what cannot turn has any inertia."""
+        """Add a body with its joint to its parent's element; returns the body's element."""
         body, host = branch.body, self.bodies[branch.parent]
         place = cmath.rect(1.0, -host.angle) * (complex(*body.position) - complex(*host.position))
         turn, inertia = body.angle - host.angle, body.inertia or body.mass * scene_size(self.scene) ** 2

@@ -90,7 +90,7 @@ class MujocoWorld:
         return np.multiply.outer(force @ normal, normal) if normal else force
 
     def settle_forces(self) -> None:
-        """Compute the forces of the present state, those of friction by the forces of their joints.
+        """Compute the forces of the present state, with friction by repeated substitution.
 
         Raises ArithmeticError where they grow without end.
         """

@@ -32,7 +32,7 @@ TIMEOUT = 3600.0  # s, of the solver's process, which pyondsel starts for every 
 
 
 def build(given: Data) -> tuple[AsmtModel, Data]:
-    """The model in its start state, and the data."""
+    """The model in its start state, together with the data it was built from."""
     model = AsmtModel(NAME, gravity=given["gravity"])
     model.ground_markers += make_markers(given["ground"])
     for number, part in enumerate(given["parts"]):
@@ -52,7 +52,7 @@ def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
 
 
 def set_pose(part: Part, x: float, y: float, angle: float) -> None:
-    """Put a part into a pose."""
+    """Put a part at x, y, m, turned by an angle, rad."""
     cosine, sine = math.cos(angle), math.sin(angle)
     part.position = (x, y, 0.0)
     part.rotation = ((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0))
@@ -90,7 +90,7 @@ def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
 
 
 def append_samples(signal: tuple[list[float], list[Any]], time: Array, values: Array) -> None:
-    """Add samples to a signal."""
+    """Append times and values to a signal's lists, in place."""
     signal[0].extend(time)
     signal[1].extend(values)
 
@@ -107,7 +107,7 @@ def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
 
 
 def solve_part(model: AsmtModel, part: Data) -> Rows:
-    """Solve one part of the motion."""
+    """Solve one part of the motion and return OndselSolver's rows of results."""
     zero, crank = part["segment"]
     # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
     turned = [0.0, *(each / power for power, each in enumerate(crank, 1))]

@@ -62,7 +62,7 @@ class Unusable:
 
 
 def _announced() -> dict[str, EntryPoint]:
-    """Entry points by engine name, ours before those of others of the same name; nothing is imported."""
+    """Entry points by engine name; ours take precedence. Nothing is imported."""
     return _read_announced(tuple(sys.path))
 
 
@@ -167,7 +167,7 @@ def _is_ours(module: str) -> bool:
 
 @cache
 def installed_version(name: str) -> str | None:
-    """Version of an installed engine; None where it is absent."""
+    """Version of the installed package of this name; None where it is absent."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -189,7 +189,7 @@ def why_absent(package: str, extra: str = "") -> str | None:
 
 
 def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """Why an engine cannot be used, from the package's metadata: nothing is imported.
+    """The reason why an engine cannot be used, from its package's metadata without an import; None where it can.
 
     ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do.
     """
@@ -220,7 +220,7 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def flush() -> None:
-    """Flush the buffers that Python and C have for standard output and error."""
+    """Flush Python's and C's buffers of standard output and error."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()
     with suppress(OSError, AttributeError, TypeError):  # a system without a C library that can be loaded

@@ -249,7 +249,7 @@ class Scene:
 
     @property
     def driven_slider(self) -> SliderJoint:
-        """The slider that is pushed."""
+        """The slider that a linear drive pushes."""
         return next(slider for slider in self.sliders if slider.body == self.crank)
 
     @property
@@ -339,7 +339,7 @@ def build_scene(
 
 
 def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
-    """The friction of every joint by the joint's name."""
+    """The friction of each joint, by the joint's name."""
     joints = [(name, pin.point) for pin in linkage.pins for name in pin.joints]
     joints += [(slider.name, slider.link) for slider in linkage.sliders]
     joints += [(slot.name, slot.name) for slot in linkage.slots]
@@ -349,7 +349,7 @@ def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
 
 
 def _travel(linkage: Linkage, zero: float) -> Travel | None:
-    """The output's travel, on which loads depend; None where none does."""
+    """The output's travel, from which loads over S count; None if no load depends on it."""
     output = linkage.output
     if output is None or not linkage.has_loads_of_output:
         return None
@@ -368,7 +368,7 @@ def _cylinder(linkage: Linkage) -> Cylinder | None:
 
 
 def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
-    """Whether a slider in a moving slot acts as a point mass at its pin: its inertia can then be given to the host."""
+    """Whether a slider in a moving slot acts as a point mass, so that its inertia can be added to the host's."""
     link = linkage.links[slider.link]
     return (
         slider.guide.host != GROUND
@@ -417,7 +417,7 @@ def _anchor_of_point(linkage: Linkage, point: str, body: str) -> Vector:
 
 
 def _slot_body(linkage: Linkage, slot: Slot) -> str:
-    """The body, or the ground, that carries the point of a slot, beside the slot's host."""
+    """Name of the body, or of the ground, whose point is the slot's pin."""
     if slot.point in linkage.ground:
         return GROUND
     return next(name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host)

@@ -121,7 +121,7 @@ class SimbodyModel:
         }
 
     def cut_data(self, cut: PinJoint | SliderJoint | SlotJoint) -> dict[str, Any]:
-        """A joint that closes a loop, and the body that carries both of its own."""
+        """The data of a joint that closes a loop, with the body that carries both of its bodies."""
         return {
             "bodies": [self.numbers[body] for body, _ in ends(cut)],
             "anchors": [anchor for _, anchor in ends(cut)],
@@ -130,7 +130,7 @@ class SimbodyModel:
         }
 
     def springs(self) -> Iterator[tuple[int, Vector, int, Vector, str]]:
-        """Springs, and the push of a free cylinder, as expressions of their length and its rate."""
+        """Springs, and a free cylinder's push: both ends and the force, an expression of length and rate."""
         scene = self.scene
         for spring in scene.springs:
             law = f"{spring.stiffness:.17g} * (d - {spring.length:.17g}) + {spring.damping:.17g} * ddot"
@@ -147,7 +147,7 @@ class SimbodyModel:
             )
 
     def loads(self) -> Iterator[tuple[int, Vector, PlainLaw | dict[str, Any]]]:
-        """Forces on a point of a body, torques, which have one component, and a free driver's."""
+        """Loads as rows: body, anchor, and law of a force, a torque or a free driver."""
         scene, crank = self.scene, self.numbers.get(self.scene.crank, -1)
         for force in scene.forces:
             yield self.numbers[force.body], force.anchor, plain_law(force.force)

@@ -112,7 +112,7 @@ class SimbodyWorld:
         return in_plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
 
     def torque(self, state: Any) -> float:  # noqa: ANN401
-        """The drive's share of the driven joint's reaction: the moment, or the force along a slide."""
+        """The drive's torque, N m, or force along its slide, N, from the driven joint's reaction."""
         number, sign, along = self.given["drive"]
         if along is None:
             reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
@@ -145,12 +145,12 @@ class SimbodyWorld:
 
 
 def components(law: Any) -> int:  # noqa: ANN401
-    """Number of a load's components: two of a force, one of a torque."""
+    """Number of a load's components: 2 for a force, 1 for a torque."""
     return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
 
 
 def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
-    """Three functions of time: a force's components, or a torque's, of which there is the third alone."""
+    """Three functions of time for OpenSim: x and y of a force, or zeros and a torque."""
     result = [opensim.Constant(0.0) for _ in range(3)]
     if isinstance(law, dict):
         result[2], times = opensim.PiecewiseLinearFunction(), law["times"]

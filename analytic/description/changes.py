@@ -44,9 +44,10 @@ def changed(linkage: Linkage, change: Change) -> Linkage:
 
 
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
-    """The linkage with numbers by name in place of its own, SI; they may be arrays.
+    """The linkage with numbers, SI, by name in place of its own; they may be arrays.
 
-    If it ``scales_mass``, mass, centre and inertia of a link follow the lengths of the link unless they are named.
+    If the linkage's ``scales_mass`` is set, mass, centre and inertia of a link follow its lengths unless they are
+    named.
     """
     result = changed(linkage, lambda name, _, value: numbers.get(name, value))
     if not linkage.scales_mass:
@@ -83,7 +84,7 @@ def named_numbers(linkage: Linkage) -> dict[str, Number]:
 
 
 def numbers(linkage: Linkage) -> dict[str, float]:
-    """Every number of a linkage by its name, SI units."""
+    """Values, SI, of all numbers of a linkage, by name."""
     return {name: number.value for name, number in named_numbers(linkage).items()}
 
 

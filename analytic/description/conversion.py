@@ -63,7 +63,7 @@ def loads(reader: Reader) -> dict[str, Any]:
 
 
 def _force(reader: Reader, table: doc.ForceTable, where: str, number: int) -> PointForce:
-    """A force at a point in SI units."""
+    """A force at a point, SI, from its table; raises DescriptionError."""
     rows = table.force if isinstance(table.force, list) else [table.force]
     link, reaction = _bodies_of_load(reader, table, table.link, where)
     link = reader.owner(table.point, link, where)
@@ -72,7 +72,7 @@ def _force(reader: Reader, table: doc.ForceTable, where: str, number: int) -> Po
 
 
 def _torque(reader: Reader, table: doc.TorqueTable, where: str, number: int) -> LinkTorque:
-    """A torque on a link in SI units."""
+    """A torque on a link, SI, from its table; raises DescriptionError."""
     values = table.torque if isinstance(table.torque, list) else [table.torque]
     law = interpolated_law(reader, table, [(value,) for value in values], where)
     link, reaction = _bodies_of_load(reader, table, table.link, where)
@@ -112,7 +112,7 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Sprin
 
 
 def _between_links(reader: Reader, table: Any, where: str, _: int) -> Any:  # noqa: ANN401 - as the kind has it
-    """A load between two bodies, whichever points these have, with its numbers in SI units."""
+    """A load between two bodies, of any such kind, SI, from its table."""
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
@@ -192,7 +192,7 @@ def _phi_text(reader: Reader, place: float) -> str:
 
 
 def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
-    """The motion's largest speed for a reader."""
+    """The motion's largest speed as text, with its unit."""
     unit = reader.phi.speed_unit
     return f"at most {motion.peak_speed / unit.size:.6g} {unit.name}"
 
@@ -264,7 +264,7 @@ def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: s
 
 
 def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, Law | None, TimeLaw | None]:
-    """The crank's torque: its constant part, its law over the angle, its law over time."""
+    """The crank's torque, N m: its constant part, its law over the angle or None, its law over time or None."""
     if not isinstance(table.torque, list):
         if table.angle is not None or table.time is not None:
             key = "angle" if table.angle is not None else "time"
@@ -411,7 +411,7 @@ def _check_driver(reader: Reader) -> None:
 
 
 def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
-    """Friction by the joint: a pin's point, a sliding link, or a slot."""
+    """Friction, SI, by joint: the point of a pin, the sliding link, or the slot."""
     pins = {pin.point for pin in _pins(reader)}
     guides = {*(slider.link for slider in _sliders(reader)), *(slot.name for slot in _slots(reader))}
     result = {}
@@ -476,12 +476,12 @@ def _turns(reader: Reader, name: str) -> bool:
 
 
 def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
-    """The revolute joints, sorted by the name of their point."""
+    """All revolute joints, sorted by the name of their point."""
     return tuple(lk.Pin(point, tuple(names)) for point, names in reader.carriers.items() if len(names) > 1)
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
-    """The prismatic joints, sorted by the name of the sliding link."""
+    """All prismatic joints, sorted by the name of the sliding link."""
     slides = [(name, table.slides) for name, table in sorted(reader.document.links.items()) if table.slides]
     for name, _ in slides:
         _turns(reader, name)  # a slider of a circle of sliders has no place

@@ -53,7 +53,7 @@ class Segment:
         return (self.start, self.end, *self._zeros(order + 1))
 
     def _zeros(self, order: int) -> list[float]:
-        """Times inside at which a derivative of φ is zero, s."""
+        """Times inside the segment, s, at which a derivative of φ of this order is zero."""
         length = self.end - self.start
         terms = np.array(derivative(self.coefficients, order), dtype=float)
         terms *= np.float_power(length, np.arange(len(terms) - 1, -1, -1))
@@ -121,7 +121,7 @@ class CrankMotion:
 
     @cached_property
     def _starts(self) -> NDArray[np.float64]:
-        """The instants at which the pieces begin, s."""
+        """Times at which the pieces begin, s."""
         return np.array([segment.start for segment in self.segments])
 
     @cached_property
@@ -158,7 +158,7 @@ class Standstill(CrankMotion):
         return ()
 
     def speed(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ω(t), zero, of the sign that the motion has: friction is against it."""
+        """ω(t), which is zero, with the sign of the motion before, against which friction acts."""
         return 0.0 * super().speed(time)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:

@@ -61,7 +61,7 @@ def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
 
 
 def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
-    """Give every key of a table, and of those in it, the phrase that messages have for it."""
+    """Give every key of a table, and of the tables in it, the description that error messages use; in place."""
     for key, part in table.get("properties", {}).items():
         root = outermost or key
         phrase = EXPECTED.get(f"{root}.{key}", EXPECTED.get(key))
@@ -80,7 +80,7 @@ def _tables_in(part: object) -> list[str]:
 
 
 def _variant_of(name: str, definitions: Schema) -> str:
-    """Copy a definition and all that it refers to, no key required any more; returns the copy's name."""
+    """Copy a definition, and all that it refers to, without required keys; returns the copy's name."""
     copy = f"{VARIANT}{name}"
     if copy not in definitions:
         definitions[copy] = {}  # so that a circle ends

@@ -100,7 +100,7 @@ class Law:
         return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
     def formula(self, place: Any) -> list[Any]:  # noqa: ANN401 - a traced number
-        """Components at a place that is a number of a list of operations: the cubics, chosen without branches."""
+        """Components of the load at a traced place, as formulas without branches."""
         knots, pieces = self.pieces()
         within = np.minimum(np.maximum(place, knots[0]), knots[-1])
         begun = [within >= knot for knot in knots[1 : len(pieces)]]
@@ -120,7 +120,7 @@ class Law:
         return parts
 
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """A table as data: knots, rad or m, and coefficients of cubics from each on, by component and power."""
+        """A table as plain data: knots, rad or m, and each piece's cubic coefficients by component and power."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 
@@ -136,7 +136,7 @@ class LawOfNumbers(Law):
     numbers: tuple[Any, ...] = ()
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> Any:  # noqa: ANN401 - what the numbers are
-        """Value of each component, of the shape that numbers and angles have together."""
+        """Values of the components, N or N m; a place and numbers that are arrays are broadcast together."""
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
         unit = np.eye(len(rows))

@@ -176,7 +176,7 @@ class Slot:
 
     @property
     def name(self) -> str:
-        """Name of the massless slider that stands for the pin in the slot."""
+        """Name of the joint, which is that of the massless slider that stands for the pin."""
         return f"{self.point} in {self.guide.host}"
 
 
@@ -340,7 +340,7 @@ class ThreadPath:
 
     @property
     def eyes(self) -> tuple[ThreadEye, ...]:
-        """The stops on moving links."""
+        """The stops that are eyes on moving links, in the thread's order."""
         return tuple(stop for stop in self.stops if isinstance(stop, ThreadEye))
 
 
@@ -413,7 +413,7 @@ class Linkage:
 
     @cached_property
     def named_numbers(self) -> Mapping[str, Number]:
-        """Every number by its name; a name already taken is followed by a count.
+        """Every number by its name; one whose name is already taken gets a count behind it.
 
         Masses come before points, lest a point called ``centre`` take the mass centre's name.
         """
@@ -446,12 +446,12 @@ class Linkage:
 
     @cached_property
     def phi(self) -> DriverCoordinate:
-        """The driver's coordinate."""
+        """The description of the driver's coordinate φ: its name, units and text."""
         return driver_coordinate(self.driver, self.units.get("length", "m"))
 
     @property
     def applied(self) -> tuple[PointForce | LinkTorque, ...]:
-        """All forces and torques."""
+        """All forces, then all torques."""
         return (*self.forces, *self.torques)
 
     @property

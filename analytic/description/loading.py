@@ -54,7 +54,7 @@ class LinkageFile:
     is_known: bool = False
 
     def linkage(self, variant: str | None = None) -> Linkage:
-        """The linkage in a variant, the file's own values if None; raises as ``load`` does."""
+        """The linkage in a variant, by default with the file's own values; raises errors as ``load`` does."""
         return parse(self.text, self.name, self.origin, variant)
 
 
@@ -134,7 +134,7 @@ def load(name: str | Path, variant: str | None = None) -> Linkage:
 
 
 def in_variant(linkage: Linkage, variant: str) -> Linkage:
-    """Another variant of a linkage's file, under the linkage's gravity."""
+    """The linkage of another variant of the same file, with the gravity of the given one."""
     return replace(parse(linkage.text, linkage.name, linkage.name, variant), gravity=linkage.gravity)
 
 
@@ -423,7 +423,7 @@ class WrittenNumbers:
         self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
     def set(self, number: str, value: float) -> str:
-        """Put an SI value in its place; gives the number as the file has it, for a reader."""
+        """Put an SI value in its place in ``raw``; returns it as the file writes it."""
         place = self.places[number]
         self.values[place] = value
         table: Any = self.raw
@@ -439,12 +439,12 @@ class WrittenNumbers:
         return f"{number} = {table[place[-1]]!r} {self.units.get(self.kinds[place], '')}".rstrip()
 
     def _written(self, place: Keys) -> float:
-        """The number in the file's unit that gives the SI value."""
+        """The value at a place in the file's unit, so chosen that it gives back the SI value."""
         return in_unit(self.values[place], self.unit(self.kinds[place]).size)
 
 
 def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
-    """The keys and indices in the file of a number, from its path in a linkage."""
+    """The keys and indices of a number in the file, by its path in the linkage."""
     match path:
         case ("sketch", *rest):
             return ("sketch", "points", *rest)
@@ -487,7 +487,7 @@ def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
 
 
 def _update(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
-    """Give a table or a list of a parsed file other values, touching only what differs, so that comments stay."""
+    """Replace, in place, only the differing values of a parsed file's table or list, so that comments stay."""
     if isinstance(old, MutableMapping):
         for key in [key for key in old if key not in new]:
             del old[key]

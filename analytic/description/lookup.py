@@ -100,7 +100,7 @@ class Reader:
 
 
 def position(place: doc.Place) -> Vector:
-    """A point by its coordinates."""
+    """The Cartesian coordinates of a point that may be given by polar ones, in the same unit."""
     if not isinstance(place, doc.Polar):
         return place
     x, y = place.about
@@ -175,7 +175,7 @@ def interpolated_law(
 
 
 def _period(reader: Reader, table: doc.LoadTable, where: str) -> float | None:
-    """The period of a load's table, rad: of one turn or two; None over a travel."""
+    """The period of a load's table, rad, of one turn or two; None if the table is over a travel."""
     if reader.phi.is_linear or table.over == "S":
         if table.period is not None:
             raise reader.fail(f"{where}.period: expected no period of a load over a travel; leave it out")

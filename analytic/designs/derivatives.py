@@ -280,7 +280,7 @@ class _Design:
         return known[key]
 
     def farthest(self, places: Array, refine: bool) -> Curve:
-        """The output's highest coordinate, with its derivatives."""
+        """The output's highest coordinate, m, with its derivatives, by samples at ``places`` and, if asked, between."""
         return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), places, STILL, refine)[0]
 
     def extremes(
@@ -290,7 +290,7 @@ class _Design:
         zero_of_s: Curve,
         refine: bool,
     ) -> list[Curve]:
-        """Value of every extreme and its derivatives (parameters,)."""
+        """The value of each extreme with its derivatives (parameters,)."""
         if not extremes:
             return []
         grid = _with_period_end(places, self.mechanism.linkage.load_period) if refine else places
@@ -311,7 +311,7 @@ class _Design:
         return tops
 
     def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
-        """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
+        """Each mean and its derivatives (parameters,), from one integration of all."""
         count, signals = len(self.parameters), [quantity.signal for quantity in figures]
         known = dict(zip(signals, self.values(signals, places), strict=True))
         near = {name: values for name, values in known.items() if is_angle(name)}
@@ -379,7 +379,7 @@ def differences(
 
 
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
-    """Steps of differences: a share of the number, of the drawing for a length of zero, of one for any other zero."""
+    """The step of differences for each number: a share of it or, for zero, of the drawing's size or of one."""
     every = {**design_numbers(mechanism.linkage), SPEED: (SPEED, parameters.get(SPEED, 0.0))}
     chosen = {name: every[name] for name in parameters}
     sizes = {"length": mechanism.linkage.extent()}

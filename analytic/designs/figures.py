@@ -68,7 +68,7 @@ class SignalExtreme(NamedTuple):
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:
-        """Whether it is the top that a transmission angle has at 90°, which no number of the design moves."""
+        """Whether it is the top of a transmission angle at 90°, which no number of the design changes."""
         can_be = self.way >= 0 and self.signal.startswith("transmission_angle:")
         return np.asarray(can_be & (np.asarray(value) > SQUARE - NEAR))
 
@@ -145,9 +145,11 @@ NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon", THREAD_FEED)
 
 
 def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
-    """The figure of a name, and of a family all its members, by name; ``in_time`` of a motion in time, not of a design.
+    """The figures by name that a typed name stands for: itself, or all members of a family.
 
-    Raises LinkproofError for an unknown signal or reduction, and for a wrong angle or time.
+    ``in_time`` allows figures of a motion, at a time. Raises LinkproofError for an unknown signal or reduction, and for
+    a
+    wrong angle or time.
     """
     name = symbol(name)
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
@@ -213,7 +215,7 @@ def _signals_of_family(mechanism: Mechanism, known: Mapping[str, str], signal: s
 
 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
-    """The error for an unknown figure, with the nearest names."""
+    """The LinkproofError for an unknown figure, with the nearest names."""
     examples, (word, _, how) = _known_figures(known), name.partition("@")[0].partition(".")
     how, word = word.partition("_")[::2] if word.partition("_")[0] in REDUCTIONS else (how, word)  # peak_torque
     usual = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"

@@ -182,7 +182,7 @@ class _Chunk:
         return np.asarray(np.where(is_settled(whole, half, size), whole, np.nan))
 
     def _integrate(self, figures: Mapping[int, Figure], result: Array) -> None:
-        """Enter means by their row of the figures for which the samples are too few.
+        """Replace doubtful means in ``result``, whose rows are the keys of ``figures``, by adaptive integrals.
 
         So they are where a step may hide a spike beside a dead position. The reciprocals of the dyads' determinants are
         integrated with the signals, for such a spike to be closed in on.
@@ -323,7 +323,7 @@ def _reduce_samples(figure: Figure, values: Array) -> Array:
 
 
 def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
-    """Where means of evenly spaced samples of a turn are right: every second sample gives the same mean.
+    """Where means of evenly spaced samples are exact: every second sample gives the same within a tolerance.
 
     The tolerance is a share of the signal's RMS, its ``size``; the error for smooth signals is the gap squared.
     """

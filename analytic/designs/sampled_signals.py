@@ -174,7 +174,7 @@ class Designs:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether the list is compiled; raises for a wrong path as ``is_worthwhile`` does."""
+        """Whether machine code computes the list; raises for a wrong path as ``is_worthwhile`` does."""
         operations = len(self.trace.trace.lines_needed(self.trace.lines)) if self.trace else 0
         return is_worthwhile(self.path, operations, self.poses) and self.trace is not None
 
@@ -189,7 +189,7 @@ class Designs:
         return StraightFunction(trace, given, (), [Result(line) for line in lines])
 
     def _single_design(self, row: int) -> Mechanism | None:
-        """One design by itself, None where it cannot be assembled as its sketch shows it."""
+        """The mechanism of one design; None where it cannot be assembled as its sketch shows it."""
         numbers = {name: float(values[row]) for name, values in self.arrays.items()}
         try:
             return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, numbers))

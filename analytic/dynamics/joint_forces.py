@@ -82,7 +82,7 @@ class LinkBalance:
         self._add_load(joint.near, (-x, -y), arm, -moment)
 
     def enter_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
-        """Enter the wrench of a joint on its far body, and the reverse on the near body."""
+        """Enter the wrench of a joint as a load on its far body, and the reverse on the near body."""
         if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
         elif isinstance(joint, Revolute):
@@ -93,7 +93,7 @@ class LinkBalance:
             self.on_sliders[joint.slider] = (x, y) if joint.far == joint.slider else (-x, -y)
 
     def _add_load(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
-        """Enter a load on a body, its force at an arm from the reference point; loads on the ground are not entered."""
+        """Enter a load on a body, its force (N) at an ``arm`` (m) from the reference point; ignored on the ground."""
         if body != GROUND:
             x, y, moment = self.needs[body]
             self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
@@ -240,7 +240,7 @@ def _slide_direction(balance: LinkBalance, slide: Joint) -> Pair:
 
 
 def _slide_wrench(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
-    """The wrench of a slide: a force square to it, on its left where ``size`` is positive, and a moment."""
+    """The wrench of a slide: a force ``size``, N, on the left of its line, and a moment, N m."""
     return (-size * direction[1], size * direction[0], moment)
 
 
@@ -352,7 +352,7 @@ def reactions_to(sweep: Sweep, loads: Iterable[Load]) -> Reactions:
 
 
 def _enter_group(balance: LinkBalance, group: AnyGroup) -> None:
-    """Enter the forces of a group's joints."""
+    """Compute and enter the forces of a group's joints, once those of later groups are entered."""
     for joint, wrench in group_wrenches(balance, group):
         if joint.near in group.links and joint.far in group.links:
             balance.enter_wrench(joint, wrench)
@@ -361,7 +361,7 @@ def _enter_group(balance: LinkBalance, group: AnyGroup) -> None:
 
 
 def _enter_driver(balance: LinkBalance) -> Scalar:
-    """Enter the wrench of the driver's joint to the ground; the rest is the drive's: a torque, or a force."""
+    """Enter the wrench of the driver's pin or guide to the ground; returns the drive's torque, N m, or force, N."""
     pivot = balance.structure.pivot
     if pivot is None:
         return balance.drive

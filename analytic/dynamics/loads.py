@@ -133,7 +133,7 @@ def stored_energy(sweep: Sweep) -> Scalar:
 
 
 def drags(sweep: Sweep) -> Iterator[Between]:
-    """Loads of dashpots and dampers at unit speed of the driver."""
+    """The loads of dashpots and dampers at unit speed of the driver, N and N m."""
     for spring in sweep.linkage.springs:
         if not frames.is_zero(spring.damping):
             span = _span(sweep, spring)
@@ -158,7 +158,7 @@ def _inverse_length(span: Pair) -> Scalar:
 
 
 def _pull(sweep: Sweep, spring: Spring, per_length: Scalar) -> Between:
-    """A pull, N over the spring's length, along the line between the ends."""
+    """A pull along the line between a spring's ends, N, as ``per_length``, N/m, times the spring's length."""
     (first, second), span = spring.links, _span(sweep, spring)
     near, far = (sweep.linkage.local(point, body) for point, body in zip(spring.points, spring.links, strict=True))
     force = (per_length * span[0], per_length * span[1])

@@ -172,7 +172,7 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
 
 def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
-    """Mkr as by ``drive_torque``, N m, with Jeq, kg m², given; a crank at rest needs no second derivative."""
+    """Mkr as from ``drive_torque``, N m, for a given Jeq, kg m²; at rest it needs no second derivative."""
     turns = bool(np.any(speed))
     torque = inertia * acceleration
     if turns:
@@ -425,7 +425,7 @@ def near_load_jumps(mechanism: Mechanism, angle: Array) -> NDArray[np.bool_]:
 
 
 def _turning_places(mechanism: Mechanism) -> list[float]:
-    """The dead centres where a load acts one way alone; none without a turn."""
+    """The dead centres, rad, where a load that acts one way sets in; [] without a full turn."""
     directed = any(law.when for law in mechanism.linkage.laws)
     return (
         [centre.angle for centre in dead_centres(mechanism)] if directed and top_of_turn(mechanism) is not None else []

@@ -285,7 +285,7 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
 
 
 def _last_passage(motion: FreeMotion, angle: float) -> float | None:
-    """The last time, s, at which the crank passes an angle, rad; None if it never does."""
+    """The last time, s, at which the crank passes an angle, rad; None if it never passes it."""
     times = motion.windows.starts
     ahead = motion.angle(times) >= angle
     changes = np.flatnonzero(ahead[1:] != ahead[:-1])

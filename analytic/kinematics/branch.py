@@ -151,7 +151,7 @@ class ChangePoints:
     patches: tuple[Patch, ...] = ()
 
     def signs(self, angle: Any) -> Array:  # noqa: ANN401 - of either precision
-        """W at crank angles, rad."""
+        """The sign W of the dyad at crank angles, rad: 1 or -1, which changes at every change point."""
         passed = np.searchsorted(self.angles, np.mod(angle, self.period), "right")
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
@@ -173,7 +173,7 @@ class ChangePoints:
                 yield patch, known[key]
 
     def moves(self, angle: Any, away: Any, known: Windows) -> Any:  # noqa: ANN401
-        """Where the dyad can move: where ``away`` from its dead positions, and everywhere within patches."""
+        """Where the dyad can move: where ``away`` from dead positions, and everywhere within patches."""
         result = np.empty(np.shape(angle), dtype=bool)
         result[...] = away
         for _, window in self.patches_at(angle, known):
@@ -213,7 +213,7 @@ Points = Mapping[str, Mapping[str, Vector]]  # of links, by name, in their frame
 
 
 def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
-    """Positions of the named points of links at these poses, one pose per link."""
+    """Positions, m, of the named points of links, by name, for one pose per link."""
     places = {}
     for locals_, pose in zip(points.values(), poses, strict=True):
         for point, local in locals_.items():

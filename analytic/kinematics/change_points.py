@@ -71,7 +71,7 @@ def with_change_points(structure: Structure, angle: float) -> tuple[Structure, t
 
 
 def is_followed(structure: Structure) -> bool:
-    """Whether a linkage passes its change points: with a driver that is pushed its range ends there."""
+    """Whether the linkage is followed through change points; a driver that is pushed ends its range there."""
     return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
@@ -131,11 +131,11 @@ class _ChangePointSearch:
         self.grid = self._grid()
 
     def _grid(self) -> _Chain:
-        """Crank angles over the period."""
+        """The chain at evenly spaced crank angles over the period."""
         return _Chain(self.pivot, np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID))
 
     def find_change_points(self, number: int) -> None:
-        """Find a dyad's change points, if it has any."""
+        """Find a dyad's change points and put their patches into ``dyads``; note where it is undetermined."""
         dyad = self.dyads[number]
         if not dyad.has_two_modes:
             return
@@ -156,7 +156,7 @@ class _ChangePointSearch:
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
 
     def _touches(self, number: int) -> Iterator[Touch]:
-        """The crank angles at which the dyad's margin of reach touches zero."""
+        """The touches at which the dyad's margin of reach comes down to zero, by crank angle."""
         share = self._relative_margin(number, self.grid)
         around = np.concatenate([share[-1:], share, share[:1]])
         for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
@@ -265,7 +265,7 @@ def _within_half_turn(angle: Any) -> Any:  # noqa: ANN401
 
 
 def _relative_tail(series: Any) -> float:  # noqa: ANN401
-    """Size of the last terms of a series over its largest: its truncation; infinite where it is no number."""
+    """The truncation of a series: its last terms over its largest; infinite if it is not finite."""
     with np.errstate(all="ignore"):
         tail = np.max(np.abs(series[-3:])) / (np.max(np.abs(series)) or 1.0)
     return float(tail) if np.isfinite(tail) else np.inf

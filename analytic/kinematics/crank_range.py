@@ -147,7 +147,7 @@ class _Margins:
         self.offsets = self.radian * np.concatenate(steps)
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
-        """Every group placed at crank angles, assembled or not."""
+        """The solvers of all groups at crank angles, rad, assembled or not."""
         poses = driver_poses(self.structure, angle)
         windows: Windows = {}
         solvers = [solver_of(group, angle, windows) for group in self.structure.groups]
@@ -235,7 +235,7 @@ class _Margins:
     def change_points(
         self, low: Toggle | None, high: Toggle | None, undetermined: Sequence[Undetermined]
     ) -> tuple[Toggle, ...]:
-        """Change points within the range, in order; where several dyads have one, that of the first."""
+        """Change points within the range, in order; one shared by several dyads is the first dyad's."""
         known = [(angle, dyad) for dyad in self.structure.dyads if dyad.changes for angle in dyad.changes.angles]
         known += [(angle, dyad) for dyad, angle, _ in undetermined]
         first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)

@@ -54,7 +54,7 @@ class Division(NamedTuple):
 
 @lru_cache(maxsize=64)  # the designs of a linkage share one
 def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) -> Division:
-    """Divide bodies and pins, which have these numbers of unknowns.
+    """The division of bodies and pins with these numbers of unknowns into groups, in an order that can be solved.
 
     Of what can be solved next dyads come first, before groups of a higher class, and of each kind the first by name.
     """
@@ -86,7 +86,7 @@ class Matching:
         return self.sizes[name] == BODY
 
     def _from_driver(self) -> Iterator[int]:
-        """The equations, nearest to the driver first, so that a body that others hang on is not the one locked."""
+        """Numbers of the equations, the nearest to the driver first, so that no body they carry is locked."""
         left, known = dict(enumerate(self.equations)), set[str]()
         while near := [number for number, ends in left.items() if len(ends) == 1 or {*ends} & known] or [*left]:
             yield from near
@@ -118,7 +118,7 @@ class Matching:
             self.held[name].add(equation)
 
     def loose(self) -> set[str]:
-        """Bodies and pins with unknowns left over, and those that could have them in their place."""
+        """Bodies and pins with unknowns left over, and those that could have them instead."""
         loose = {name for name, size in self.sizes.items() if len(self.held[name]) < size}
         while more := {name for name in self.sizes if self.needs([name]) & loose} - loose:
             loose |= more
@@ -240,7 +240,7 @@ class _PlacedBodies:
                 yield DrivenDistance(near_end[1], far_end[1], *locals_)
 
     def group(self, *links: str) -> AnyGroup:
-        """The group that links form."""
+        """The group that these links form with the placed bodies."""
         joints = tuple(self.joints(*links))
         outer, driver = joints[0], joints[-1]
         if isinstance(driver, DrivenDistance) and len(links) == 1 and not isinstance(outer, DrivenDistance):
@@ -265,7 +265,7 @@ class _PlacedBodies:
         )
 
     def fault(self, division: Division) -> str:
-        """Why bodies are left over: too many joints, or too few."""
+        """The sentence why bodies are left over: too many joints, or too few."""
         if division.locked:
             return self._overconstrained_text(division.locked)
         carriers = _carriers(self.linkage)

@@ -57,7 +57,7 @@ class DyadSolver:
         return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
 
     def _moves(self) -> Scalar:
-        """Where the dyad is away from its dead positions, so that its links meet and can move."""
+        """Where the dyad is far enough from its dead positions for its links to meet and move; a truth value per φ."""
         determinant, least = self.form.determinant, self.form.least_determinant()
         if self.group.changes is not None:
             return self.group.changes.moves(self.angle, self.sign * determinant > least, self.windows)
@@ -87,7 +87,7 @@ class DyadSolver:
         return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
 
     def fault(self, at: At, linkage: Linkage) -> Shortfall:
-        """Why the links do not meet, at the value of φ of which ``at`` picks numbers."""
+        """The reason why the links do not meet, at the value of φ that ``at`` picks, as fault and sentence."""
         shortfall: Shortfall = self.form.fault(at, linkage.written)
         return shortfall
 

@@ -70,11 +70,11 @@ class Rod:
         return frames.dot(gap, self.r)
 
     def column(self, link: Pose) -> Pair:
-        """The direction of d, of any length, at a pose of the link."""
+        """The direction of d, of any length, at a pose of the link: that of the arm."""
         return frames.across(frames.arm(link, self.arm))
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative of the point that counts if the link did not turn."""
+        """First derivative over φ of the point that counts if the link did not turn, m/rad."""
         self.host_rate, self.base_rate = host, frames.point_rate(self.host, host, self.near)
         return self.base_rate
 
@@ -121,7 +121,7 @@ class Rail:
         return frames.cross(gap, self.e)
 
     def column(self, link: Pose) -> Pair:
-        """D, which is the same at every pose of the link."""
+        """The direction d of the rail, the same at every pose of the link."""
         return self.e
 
     def carried(self, host: Rate, point: Pair) -> Pair:
@@ -165,7 +165,7 @@ class Strut(Rod):
         self.u = (vector[0] / self.length, vector[1] / self.length)
 
     def column(self, link: Pose) -> Pair:
-        """The direction across it."""
+        """The direction across the cylinder."""
         return frames.across(self.u)
 
     def carried(self, host: Rate, point: Pair) -> Pair:
@@ -207,7 +207,7 @@ class _DyadForm:
 
     @property
     def outer_pins(self) -> str:
-        """The two outer pins by name."""
+        """Names of the two outer pins, quoted, as words."""
         return f"'{self.joints[0].point}' and '{self.joints[2].point}'"
 
     def least_determinant(self) -> Scalar:
@@ -215,7 +215,7 @@ class _DyadForm:
         return LEAST_SINE
 
     def dead_position(self) -> str:
-        """How the links stand in a dead position, in words."""
+        """The words for how the links stand in a dead position."""
         return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:

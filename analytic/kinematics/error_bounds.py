@@ -64,7 +64,7 @@ class ErrorBounds:
         return np.where(np.isnan(bound), np.inf, bound)
 
     def _bound_group(self, group: AnyGroup) -> None:
-        """Bounds for the group's links, order by order."""
+        """Enter the bounds of a group's links into ``motions``, order by order."""
         steps = (self.sweep.poses, self.sweep.rates, self.sweep.accelerations)
         plain = {body: [self._filled(step(body)) for step in steps] for body in group.links}
         bounded: dict[str, list[Any]] = {body: [] for body in group.links}

@@ -41,7 +41,7 @@ def is_origin(local: Vector) -> bool:
 
 
 def is_still(rate: Rate) -> bool:
-    """Whether a rate or acceleration is the ground's."""
+    """Whether a rate or acceleration is the ground's: plain zeros."""
     return rate is STILL
 
 
@@ -104,7 +104,7 @@ def pose_through(position: Pair, direction: Pair, local: Vector) -> Pose:
 
 
 def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -> Rate:
-    """Rate of a body whose point ``local`` has the given derivative."""
+    """Rate of a body with this ``turn_rate``, whose point ``local`` has the derivative ``velocity``."""
     if is_origin(local) or is_zero(turn_rate):
         return (velocity[0], velocity[1], turn_rate)
     r = arm(pose, local)

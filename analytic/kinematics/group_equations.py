@@ -46,7 +46,7 @@ def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordi
 
 
 def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
-    """A point of a body, or its derivative of an order."""
+    """A point of a body, m, or its derivative of an order over φ."""
     if order == 0:
         return frames.point(motion[0], local)
     if order == 1:
@@ -84,7 +84,7 @@ def _angle_equation(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar
 
 
 def _length_equation(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
-    """The distance of the cylinder's ends less φ, and its derivatives."""
+    """Distance of the cylinder's ends less φ, m, or its derivative of an order."""
     spans = _span_derivatives(far, joint.far_local, near, joint.near_local, order)
     length = np.sqrt(frames.dot(spans[0], spans[0]))
     if order == 0:

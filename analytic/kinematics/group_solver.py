@@ -253,7 +253,7 @@ class GroupSolver:
         return tuple(self._shaped(rate) for rate in rates_of(second))
 
     def _system(self) -> GroupSystem:
-        """The equations with the known motions of the placed bodies."""
+        """The equations at φ, with the known motions of the placed bodies."""
         hosts = {
             body: tuple(self._flat(known.get(body, STILL)) for known in self.known) for body in self.hosts
         }  # fmt: skip
@@ -343,7 +343,7 @@ def _point_names(points: Points) -> set[str]:
 
 
 def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
-    """Positions of points: of placed bodies, and of the sketch."""
+    """Positions, m, by name: points of placed bodies, and points that the sketch gives."""
     known = dict(linkage.sketch)
     for joint in group.joints:
         if isinstance(joint, Revolute) and joint.near in hosts:
@@ -353,7 +353,7 @@ def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, V
 
 
 def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
-    """Coordinates to start from, (starts, links, 3): the sketch's as far as it goes, then ever more disturbed."""
+    """Coordinates to start from, (starts, links, 3): the sketch's if known, then with growing disturbances."""
     random = np.random.default_rng(1)
     middle = np.mean(list(known.values()), axis=0) if known else np.zeros(2)
     disturbance = np.linspace(0.0, 1.0, STARTS)

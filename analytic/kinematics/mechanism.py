@@ -75,7 +75,7 @@ class Mechanism:
 
     @cached_property
     def changes(self) -> tuple[float, ...]:
-        """Crank angles at which two assembly modes meet and the linkage goes on smoothly, rad in [0, 2π)."""
+        """Crank angles, rad in [0, 2π), of change points that the linkage passes smoothly."""
         points = [dyad.changes.angles for dyad in self.structure.dyads if dyad.changes]
         turned = [float(np.mod(angle, FULL_TURN)) for angles in points for angle in angles]
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
@@ -168,7 +168,7 @@ Value = TypeVar("Value")
 
 
 def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mechanism], Value]:
-    """A function that works its value of a mechanism out once, and forgets it with the mechanism."""
+    """A decorator: the function computes its value once per mechanism and keeps it as long as the mechanism."""
     known: WeakKeyDictionary[Mechanism, Value] = WeakKeyDictionary()
 
     @wraps(function)

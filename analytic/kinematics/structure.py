@@ -263,7 +263,7 @@ def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
 
 
 def structural_formula(pivot: Joint | None, groups: Sequence[AnyGroup]) -> str:
-    """The driver and the groups behind it."""
+    """The structural formula as text: the driver, then the groups with their links."""
     driver = "cylinder" if pivot is None else "crank" if isinstance(pivot, Revolute) else "slider"
     return " -> ".join([f"I ({driver})", *(group.name for group in groups)])
 
@@ -296,13 +296,13 @@ class Mobility:
 
 
 def mobility(linkage: Linkage) -> Mobility:
-    """The count of a linkage; a pin that k bodies share is k - 1 joints."""
+    """The count of degrees of freedom of a linkage; a pin that k bodies share counts as k - 1 joints."""
     joints = len(linkage.joint_names) - len(linkage.slots)
     return Mobility(len(linkage.links), joints, len(linkage.slots))
 
 
 def loose_points(linkage: Linkage) -> tuple[str, ...]:
-    """Points of links that are on no joint, sorted."""
+    """Names, sorted, of points of links that are on no joint."""
     shared = {pin.point for pin in linkage.pins} | {slot.point for slot in linkage.slots}
     shared |= {slider.point for slider in linkage.sliders} | {*(linkage.cylinder.points if linkage.cylinder else ())}
     counts = Counter(point for link in linkage.links.values() for point in link.points)
@@ -310,7 +310,7 @@ def loose_points(linkage: Linkage) -> tuple[str, ...]:
 
 
 def grashof(linkage: Linkage, structure: Structure) -> str | None:
-    """The class of a four-bar by Grashof's rule, with its lengths; None for any other linkage.
+    """The class of a four-bar by Grashof's rule, with its lengths, in words; None for any other linkage.
 
     The frame and the three links turn fully against each other where shortest + longest < the sum of the other two;
     the shortest link then decides which links turn.

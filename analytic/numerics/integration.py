@@ -170,7 +170,7 @@ class _Path:
         return Windows(np.array(self.starts), np.array(self._base), angle, speed)
 
     def is_lost(self, length: float, longest: float) -> bool:
-        """Whether the windows get too short, or the latest together are beside one before: it runs into a wall."""
+        """Whether the motion cannot go on: windows too short, or the latest ones tiny beside one before."""
         done = len(self.starts) - 1
         if length < LEAST_WINDOW * longest or self.time + length == self.time:
             return True
@@ -242,12 +242,12 @@ def _with_push(acceleration: Acceleration, push: Push | None) -> Timed:
 
 
 def _end_acceleration(acceleration: Timed, path: _Path) -> float:
-    """The acceleration at the path's end."""
+    """The acceleration at the path's end, rad/s²."""
     return float(acceleration(np.array([path.time]), np.array([path.angle]), np.array([path.speed]))[0])
 
 
 def _first_window(path: _Path, duration: float) -> float:
-    """Time in which the crank turns a little, s."""
+    """A first window's length, s, in which the crank turns only a little."""
     rate = max(abs(path.speed), math.sqrt(abs(path.acceleration) * FIRST_ANGLE))
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 

@@ -50,7 +50,7 @@ class PeriodicTable:
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
-        """Borders between the cells, middle and reciprocal half width of every cell."""
+        """Borders between the cells, and middle and reciprocal half width of every cell, rad."""
         left, right = self.edges[:-1], self.edges[1:]
         return left[1:], 0.5 * (left + right), 2.0 / (right - left)
 
@@ -106,7 +106,7 @@ def tabulate(functions: Functions, degree: int = DEGREE, *, period: float = FULL
 
 
 def _rounding(functions: Functions, left: Array, right: Array, places: Array) -> Array:
-    """The largest difference of neighbours in each cell, (cells, functions): of a smooth function its rounding."""
+    """The largest difference of neighbouring values in each cell (cells, functions): a smooth function's rounding."""
     here, beside = (_sampled_functions(functions, left + shift, right + shift, places) for shift in (0.0, NEIGHBOUR))
     return np.asarray(np.abs(beside - here).max(axis=2).T)
 

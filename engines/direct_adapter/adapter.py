@@ -176,7 +176,7 @@ def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array
 
 
 def _split_loads(scene: Scene) -> tuple[Scene, Scene]:
-    """The scene without its loads over φ, and the scene with no other loads."""
+    """The scene without its loads over φ, and the scene with only these loads."""
     steady, varying = (
         replace(
             scene,
@@ -249,7 +249,7 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
 
 
 def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
-    """The history of instants, s, each solved by itself, in blocks."""
+    """The history at instants, s, each solved by itself, in blocks that bound the memory."""
     equations, channels = path.equations, path.equations.scene.channels
     blocks = []
     for start in range(0, len(time), BLOCK):
@@ -306,7 +306,7 @@ class DirectEngine:
     )
 
     def version(self) -> str:
-        """The version of the installed linkproof; "source" in a checkout."""
+        """The version of the installed linkproof; "source" for a checkout that is not installed."""
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
@@ -365,7 +365,7 @@ def _checked_equations(scene: Scene) -> Equations:
 
 
 def _degeneracy(equations: Equations) -> str | None:
-    """Why the equations do not fix the motion at the start, in a sentence; None where they fix it."""
+    """The sentence why the equations do not fix the motion at the start; None where they do."""
     matrix = equations.jacobian(equations.arms(equations.start()))[0]
     if not np.all(np.isfinite(matrix)):
         return "the start state is not finite"

@@ -57,7 +57,7 @@ class Equations(JointEquations):
             raise UnsolvableError("the constraint equations are singular") from None
 
     def violation(self, pose: Pose, coordinate: Reals) -> tuple[Reals, Reals]:
-        """Φ with the driver at ``coordinate`` (n,), rad or units, and G."""
+        """Φ with the driver at ``coordinate`` (n,), rad or units, (n, rows), and the Jacobian G there."""
         arms = self.arms(pose)
         residual = self.residual(pose, arms)
         residual[:, self.crank_row] = self.driven(pose, arms) - coordinate
@@ -120,7 +120,7 @@ class Solution(NamedTuple):
 
 
 def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Channel]) -> Solution:
-    """The instants' motion and forces, no further than the channels need."""
+    """Motion and forces at the instants, computed only as far as the channels need."""
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
     if channels <= {Channel.POSITION}:
         return Solution(metric.coordinates())
@@ -296,7 +296,7 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
 
 def _crossings(equations: Equations, pose: Pose) -> NDArray[np.bool_]:
-    """Between which of some poses (n,) and the next the path crosses another one, (n - 1,).
+    """Where the path crosses another one between neighbouring poses (n,): a truth value per step, (n - 1,).
 
     Between two matrices on a line there is a singular one where one over the other has a negative eigenvalue: several
     groups that cross at once leave the determinant its sign. What is repeated need not come out real.

@@ -194,7 +194,7 @@ class ExudynWorld:
 
 
 def build(given: Data) -> ExudynWorld:
-    """The assembled system of a model; raises ArithmeticError for what exudyn refuses and for redundant joints.
+    """The assembled system of a model; raises ArithmeticError for a model that exudyn refuses or finds redundant.
 
     These would make it singular, which exudyn reports only in the middle of a solve.
     """
@@ -252,7 +252,7 @@ def simulation_settings(values: Data) -> Any:  # noqa: ANN401
 
 
 def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
-    """Coordinates at a crank angle, rad; raises ExudynError where exudyn finds none."""
+    """Coordinates of exudyn at a crank angle, rad, found from a guess; raises ExudynError where there are none."""
     world.hold_drive(angle)
     set_initial(world, guess)
     world.mbs.SolveStatic(simulation_settings(world.given["static_settings"]))
@@ -324,7 +324,7 @@ def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tupl
 
 
 def follow(world: ExudynWorld, course: Data) -> Data:
-    """The samples of a course."""
+    """Step through all parts of a course and return its samples."""
     signals: dict[tuple[str, str | None], list[tuple[Array, Array]]] = {}
     parts, prints = course["parts"], exudyn.config.printToConsole
     exudyn.config.printToConsole = False

@@ -141,7 +141,7 @@ class JointEquations:
         return entries
 
     def arms(self, pose: Pose) -> Arms:
-        """Joint vectors in the ground frame: to their points on either body, gaps, guides, the driver's span."""
+        """Joint vectors, ground frame, units: arms to the joints' points, gaps, guides, and the driver's span."""
         body, host = pose.turned(self.body_anchor, self.body), pose.turned(self.host_anchor, self.host)
         gap = (pose.place[:, self.body] - pose.place[:, self.host]) + (body - host)
         return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
@@ -159,7 +159,7 @@ class JointEquations:
         return result
 
     def driven(self, pose: Pose, arms: Arms) -> Reals:
-        """φ at a pose, (n,), rad or units."""
+        """φ of the driver at a pose, (n,), rad or units."""
         return pose.angle[:, self.crank] if arms.driver is None else arms.driver.length
 
     def jacobian(self, arms: Arms) -> Reals:
@@ -186,7 +186,7 @@ class JointEquations:
         return entries[:, :, : self.size]
 
     def bend(self, arms: Arms, rate: Reals) -> Reals:
-        """γ (n, rows), the part of G q̈ that the rates (n, bodies, 3) alone determine, without the driver's ε."""
+        """The part γ (n, rows) of G q̈ that follows from the rates (n, bodies, 3); the driver's ε is left out."""
         body, host = rate[:, self.body], rate[:, self.host]
         first, second = body[..., 2:], host[..., 2:]
         inward = first * first * arms.body - second * second * arms.host
@@ -238,7 +238,7 @@ class JointEquations:
 
 
 def scene_size(scene: Scene) -> float:
-    """Largest distance of a pin from the mass centre of a body that it is on, m: the scale of what a gap may be."""
+    """Largest distance, m, of a pin from the mass centre of its body: the scale for gaps."""
     anchors = [pin.first_anchor for pin in scene.pins]
     anchors += [pin.second_anchor for pin in scene.pins if pin.second != GROUND]
     return max((math.hypot(*anchor) for anchor in anchors), default=0.0) or 1.0
@@ -260,7 +260,7 @@ def _power_of_two(length: float) -> float:
 
 
 def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
-    """Force, N, and moment about the mass centre, N m, on every body, (n, bodies, 3), for rates (n, bodies, 3)."""
+    """Forces, N, and moments about mass centres, N m, of all loads on the bodies, (n, bodies, 3)."""
     numbers = body_numbers(scene)
     loads = np.zeros_like(rate)
     loads[..., :2] = body_masses(scene)[:, :2] * np.asarray(scene.gravity)
@@ -284,7 +284,7 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
 
 
 def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Reals]:
-    """For each component of a force what a unit of it is on the bodies, (n, bodies, 3)."""
+    """For each component of a force, the loads of a unit of it on the bodies, (n, bodies, 3)."""
     for unit in np.eye(2):
         lever = np.zeros((*pose.place.shape[:2], 3), dtype=pose.place.dtype)
         _add_applied_force(lever, scene, applied, pose, unit[:, None])
@@ -292,7 +292,7 @@ def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Re
 
 
 def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: Pose, parts: Reals) -> None:
-    """A force of components (2, n) in its frame, and its reverse at the same place of another body."""
+    """Add a force with components (2, n), N, and its reaction to ``loads``, in place."""
     numbers = body_numbers(scene)
     body, other, frame = numbers[applied.body], numbers[applied.reaction], numbers[applied.frame]
     (x, y), c, s = parts, pose.cosine[:, frame], pose.sine[:, frame]
@@ -374,7 +374,7 @@ def _add_force(loads: Reals, body: int, arm: Reals, force: Reals) -> None:
 
 
 def _add_spring(loads: Reals, numbers: dict[str, int], spring: PointSpring, pose: Pose, rate: Reals) -> None:
-    """A spring's and dashpot's pull on both of its ends."""
+    """Add a spring's and dashpot's pull on both of its ends to ``loads``, in place."""
     first, second = numbers[spring.first], numbers[spring.second]
     first_arm, second_arm = pose.arm(first, spring.first_anchor), pose.arm(second, spring.second_anchor)
     span = pose.place[:, first] + first_arm - (pose.place[:, second] + second_arm)

@@ -59,7 +59,7 @@ class SpanningTree:
 
     @property
     def obstacle(self) -> str | None:
-        """Why an engine that knows only pins and sliders in its tree cannot hold this one, in words; None if it can."""
+        """The reason, in words, why a tree of pins and sliders cannot hold this one; None if it can."""
         loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
         if loose is not None:
             return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
@@ -67,12 +67,12 @@ class SpanningTree:
         return None if loop is None else f"it has no constraint for '{loop}', which closes a loop of sliders alone"
 
     def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
-        """The body, or the ground, nearest to both ends of a joint: it carries both of them, or is one of them."""
+        """The body, or the ground, nearest to both ends of a cut joint on their ways to the ground."""
         first, second = (self._chain(end) for end in _joined_bodies(cut))
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
-        """The bodies from the ground to one, itself included, that turn against what carries them."""
+        """Names of the bodies from the ground to this one that turn against their carriers."""
         chain = self._chain(name)
         turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
         return turning & set(chain)

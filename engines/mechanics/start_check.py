@@ -36,7 +36,7 @@ class Misfit:
 
 
 def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
-    """Every joint's violation in position and, where given, velocity and acceleration, each (1, bodies, 3), SI.
+    """Each joint's violation in position and, where given, velocity and acceleration, each (1, bodies, 3), SI.
 
     The ground is the last body. A slider's turning against its host counts from the velocity on, as its angle is
     whatever it was at the start.
@@ -85,7 +85,7 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
 
 
 def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
-    """The first part of a scene beyond an engine's abilities, in one sentence; None if it is within them."""
+    """The sentence on the first part of a scene beyond an engine's abilities; None if there is none."""
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_type_in_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:

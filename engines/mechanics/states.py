@@ -168,7 +168,7 @@ class Driver:
         self.line = np.array(scene.driven_slider.along) if self.kind is DriverKind.SLIDER else None
 
     def span(self, pose: Pose) -> Span | None:
-        """The two points of a linear driver; None of a crank."""
+        """The two ends of a linear driver at a pose, with their bodies; None for a crank."""
         if self.turns:
             return None
         arms = pose.turned(self.anchors, self.ends)
@@ -180,7 +180,7 @@ class Driver:
         return Span(arms[:, 0], arms[:, 1], between, along, dot(along, between))
 
     def value(self, pose: Pose) -> Reals:
-        """φ (n,), rad or units."""
+        """φ at a pose, (n,), rad or units."""
         span = self.span(pose)
         return pose.angle[:, self.crank] if span is None else span.length
 
@@ -196,7 +196,7 @@ class Driver:
         return result
 
     def bend(self, span: Span | None, rate: Reals) -> Reals:
-        """The part of φ'' that the bodies' rates (n, bodies, 3) alone make, (n,), with its sign reversed."""
+        """The negative of the part of φ̈ that the bodies' rates (n, bodies, 3) cause, (n,)."""
         if span is None:
             return np.zeros(len(rate), dtype=rate.dtype)
         first, second = rate[:, self.ends[0]], rate[:, self.ends[1]]
@@ -215,7 +215,7 @@ def start_coordinate(scene: Scene) -> float:
 
 
 def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
-    """φ, rad or m, and its time derivatives from the motion of the bodies, SI, each (n, bodies, 3)."""
+    """φ, rad or m, and its time derivatives, from motions of the bodies, SI, each (n, bodies, 3)."""
     driver, pose = Driver(scene), pose_of(position)
     span = driver.span(pose)
     gradient = driver.gradient(span, len(position))

@@ -38,7 +38,7 @@ BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end 
 
 
 def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
-    """The space of a layout of a scene, without the iterations of its solver."""
+    """The data of pymunk's space for a scene's layout, except the solver's iterations."""
     parts, size = layout.scene, reach(scene)
     numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(parts.bodies)}}
     _, speed, gain = (float(value[0]) for value in driven(scene, *start_motion(scene)))
@@ -83,7 +83,7 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
 
 
 def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]:
-    """The drive: its motion, or its torque over time; ``line``, the ends of a linear driver.
+    """The drive's data: its motion, or its torque over time; ``line`` has the ends of a linear driver.
 
     A slider's far end is a point of the ground on its own line, behind all that it can reach: ``base`` farther than
     its travel.
@@ -166,7 +166,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
 
 
 def driver_travel(scene: Scene) -> float:
-    """Travel of the driver from its start, rad or m, to its farther side; a crank's is a full turn at most."""
+    """Distance from the driver's start to its farther side, rad or m; of a crank a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
     farthest = max((end - start_coordinate(scene) for end in scene.drive.motion.reach), key=abs)

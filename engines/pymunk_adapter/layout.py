@@ -72,7 +72,7 @@ class PartLayout:
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom that the joints leave by count; the free turning of parts without inertia is none."""
+        """Degrees of freedom by count of the joints, without the free turning of parts without inertia."""
         coordinates = sum(2 if part.inertia is None else 3 for part in self.parts)
         return coordinates - 2 * len(self.scene.pins) - len(self.scene.guided) - len(self.gears)
 
@@ -227,7 +227,7 @@ def _arms(scene: Scene, parts: list[BodyPart] | tuple[BodyPart, ...]) -> Reals:
 
 
 def _foot(joint: SliderJoint | SlotJoint, centre: Vector) -> Vector:
-    """The point of a joint's line, in its host's frame, that is nearest to a centre."""
+    """The point of a joint's line nearest to a centre, in its host's frame, m."""
     (x, y), size = joint.along, math.hypot(*joint.along)
     away = _minus(centre, joint.through)
     share = (away[0] * x + away[1] * y) / size**2
@@ -240,7 +240,7 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 
 def reach(scene: Scene) -> float:
-    """A length no joint of the scene can travel beyond, m: all anchors and start positions laid end to end."""
+    """A length, m, beyond which no joint of the scene can travel: all anchors and start positions added up."""
     anchors = [a for p in scene.pins for a in (p.first_anchor, p.second_anchor)]
     anchors += [a for j in scene.guided for a in (j.anchor, j.through)]
     return sum(math.hypot(*v) for v in (*anchors, *(body.position for body in scene.bodies)))

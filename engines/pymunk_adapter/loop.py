@@ -146,7 +146,7 @@ class PymunkWorld:
 
     @property
     def is_pushed(self) -> bool:
-        """Whether the drive's load has to be set before every step: over time, or along a linear driver."""
+        """Whether the drive's load must be set before every step: it changes in time, or is along a line."""
         return self.line is not None or self.given["push"][1] is not None
 
     def steady_torque(self, body: pymunk.Body, torque: float) -> pymunk.SimpleMotor:
@@ -196,7 +196,7 @@ class PymunkWorld:
         return add
 
     def dashpot(self, spring: pymunk.DampedSpring) -> Load:
-        """The damping of a spring, which pymunk has to first order, its speed from the lengths at three instants."""
+        """A function that adds the spring's damping before each step, to second order of the step."""
         rod, damping = Rod(spring.a, spring.b, spring.anchor_a, spring.anchor_b), spring.damping
         spring.damping = 0.0
         lengths: list[float] = []
@@ -215,7 +215,7 @@ class PymunkWorld:
 def driver_speeds(
     motion: Sequence[tuple[float, Sequence[float]]] | None, centred: bool, step: float, count: int
 ) -> Array:
-    """Speed of the driver in so many steps, rad/s or m/s; zeros for a free one.
+    """Speed of the driver in each of ``count`` steps, rad/s or m/s; zeros for a free one.
 
     It is the mean over the step by Gauss's quadrature, or a newcomer's: that at the step's start.
     """
@@ -278,7 +278,7 @@ def follow(world: PymunkWorld, course: Data) -> Data:
 
 
 def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) -> Any:  # noqa: ANN401 - booleans
-    """Which of the times (n,), s, are at least so many samples of a ``spacing``, s, from every kink."""
+    """Which of the times (n,), s, are far enough, in samples of a ``spacing``, s, from every kink."""
     smooth = np.ones(len(times), dtype=bool)
     for kink, apart in kinks:
         smooth &= np.abs(times - kink) >= (apart - CLOCK_ROUNDING) * spacing
@@ -347,10 +347,10 @@ def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: floa
 
 
 def set_start_velocities(world: PymunkWorld, rate: float, step: float) -> None:
-    """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
+    """Give the parts the velocities of the start or, if ``centred``, those of the first step's middle.
 
-    The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the
-    step: a step along it opens the joints as every later step does, and so the next one closes them as later ones do.
+    These are the motion's tangent at the start, at the speed in the middle of the step: the first step then opens the
+    joints as every later step does, and the next one closes them as later ones do.
     """
     speed, gain = world.given["driver_rates"]
     if world.given["centred"]:

@@ -47,7 +47,7 @@ class Cost:
 
     @contextmanager
     def timing(self, name: str) -> Iterator[None]:
-        """Count the wall time of the block as ``seconds`` of stepping or as ``setup_seconds``."""
+        """Add the wall time of the block, s, to ``seconds`` or ``setup_seconds``."""
         begun = perf_counter()
         try:
             yield
@@ -172,7 +172,7 @@ def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: 
 
 
 def _grade_changes(speed: Array, peak: float) -> list[int]:
-    """Where speeds (n,) sampled over a segment pass a grade, within it."""
+    """Indices within a segment at which sampled speeds (n,) pass a grade of the peak."""
     grade = np.digitize(speed, np.multiply(GRADES, peak * EVEN))
     changes = np.flatnonzero(np.diff(grade)) + 1
     return [int(change) for change in changes if change < len(speed) - 1]

@@ -67,7 +67,7 @@ class Recipe(Pace):
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion in intervals of equal samples; a linear drive has a turn in the scene's size."""
+        """The scene's motion in intervals; a linear drive's "turn" is the scene's size."""
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
@@ -88,7 +88,7 @@ class Recipe(Pace):
 
 
 def _start_pace(scene: Scene) -> float:
-    """Pace of a free driver, rad/s or m/s, estimated from the start state."""
+    """Pace of a free driver for the choice of steps, rad/s or m/s, estimated from the start state."""
     _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
     size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
     return abs(speed) + math.sqrt(abs(acceleration) * size)
@@ -150,7 +150,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         """
 
     def refusal(self, scene: Scene) -> str | None:
-        """The part of a scene that the engine does not support, beyond its abilities, in one sentence; else None."""
+        """The sentence why a scene is refused for reasons beyond the abilities; None by default."""
         return None
 
     def obstacle(self, scene: Scene) -> str | None:
@@ -162,7 +162,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         )
 
     def altered(self, scene: Scene) -> Scene:
-        """The scene that a world is built from: the given one, unless a test plants an error in it."""
+        """The scene to build a world from: the given one, unless a test overrides this to plant an error."""
         return scene
 
     def version(self) -> str | None:
@@ -189,7 +189,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         )
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Run a scene by a method with its effort, at a longest step, s.
+        """Run a scene by a method at a longest step, s.
 
         Raises UnknownNameError for another engine's method, LinkproofError for a step or an effort out of bounds.
         """
@@ -283,7 +283,7 @@ class LoopEngine(SteppedEngine[Any, R]):
         """A scene in plain data, arrays of NumPy among them, for the loop's ``build``."""
 
     def build(self, scene: Scene, recipe: R) -> Any:  # noqa: ANN401 - the loop's
-        """The loop's world of a scene."""
+        """The loop's world, built from the plain data of the scene."""
         model = plain(self.model(scene, recipe))
         try:
             return import_module(self.loop).build(model)
@@ -291,7 +291,7 @@ class LoopEngine(SteppedEngine[Any, R]):
             raise _run_error(error, UnsupportedError) from error
 
     def follow(self, world: Any, course: Course[R]) -> History:  # noqa: ANN401
-        """The loop's samples of a pass as a history."""
+        """The history of a pass, from the loop's samples; raises DivergedError for an ArithmeticError."""
         given = plain_course(course)
         try:
             samples = import_module(self.loop).follow(world, given)
@@ -333,7 +333,7 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
 
 
 def plain_law(law: Law) -> PlainLaw:
-    """A law as plain data."""
+    """A law as plain data for loops."""
     return law.values.tolist() if law.angles is None else (*law.pieces(), law.period or 0.0)
 
 
