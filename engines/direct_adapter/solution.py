@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, OdeSolution
 
 from analytic.description.law import FULL_TURN
 from engines.contract import Array, History, Signal
@@ -205,6 +205,7 @@ PULL = 4.0  # 1/rad, at which a violation of the joints fades
 LONGEST = FULL_TURN / 16.0  # rad or units, between two poses of which one could be in another assembly mode
 EVALUATIONS = 5000  # a turn; an integration that needs more has come to a stop, where steps shrink without end
 FINEST, PARTS = 1e-4, 33  # rad or units, to which a place that is not passed is found; of a step that is looked into
+LOOKED_BACK = 16  # steps, after which they are looked at for a crossing
 RETURNED = 1e-5  # units and rad between the two ends of a full turn
 
 
@@ -281,18 +282,29 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
     if end == start:
         return start, lambda coordinate: np.zeros((len(coordinate), equations.size))
-    span, at_start = (start, end), np.zeros(equations.size)
-    solution = solve_ivp(
-        rate, span, at_start, "DOP853", dense_output=True, max_step=LONGEST, rtol=RELATIVE, atol=ABSOLUTE
-    )
-    places, last = solution.t, float(solution.t[-1])
-    while np.any(crossing := _crossings(equations, _pose(equations, solution.sol(places).T, places))):
+    solver = DOP853(rate, start, np.zeros(equations.size), end, max_step=LONGEST, rtol=RELATIVE, atol=ABSOLUTE)
+    places, steps, last = [start], [], end
+    while solver.status == "running":
+        solver.step()
+        if solver.status != "failed":
+            places.append(float(solver.t))
+            steps.append(solver.dense_output())
+        if solver.status != "running" or len(steps) % LOOKED_BACK == 0:  # beyond a crossing the steps would not end
+            gain = OdeSolution(places, steps)
+            last = _last_before_crossing(equations, gain, np.array(places[-LOOKED_BACK - 1 :]))
+            if last != places[-1]:
+                break
+    return last, lambda coordinate: np.asarray(gain(coordinate).T)
+
+
+def _last_before_crossing(equations: Equations, gain: OdeSolution, places: Reals) -> float:
+    """φ up to which a path over some places (n,) crosses no other one, within ``FINEST``; the last place if none."""
+    while np.any(crossing := _crossings(equations, _pose(equations, gain(places).T, places))):
         first = int(np.argmax(crossing))
-        last = float(places[first])
-        if abs(places[first + 1] - last) < FINEST:
-            break
-        places = np.linspace(last, places[first + 1], PARTS)
-    return last, lambda coordinate: np.asarray(solution.sol(coordinate).T)
+        if abs(places[first + 1] - places[first]) < FINEST:
+            return float(places[first])
+        places = np.linspace(places[first], places[first + 1], PARTS)
+    return float(places[-1])
 
 
 def _crossings(equations: Equations, pose: Pose) -> NDArray[np.bool_]:
