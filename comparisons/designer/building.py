@@ -105,7 +105,7 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 
 
 def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bool = False) -> CrankMotion:
-    """A swing over a range, short of its limits, at ``speed``, rad/s; of a drive along a line, in a second."""
+    """A swing over a range, short of its limits, at ``speed``, rad/s; a linear drive takes one second."""
     first, last = inset_ends(reach, backwards=backwards)
     fastest = abs(last - first) if reach.phi.is_linear else speed
     return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
@@ -142,7 +142,7 @@ def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) 
 
 
 def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
-    """The sheet of curves, with the peaks of the signals ``names``."""
+    """The sheet of these curves, with peaks of the signals ``names`` and tables at the ``chosen`` instants, s."""
     peaks = curves.peaks(names)
     figures = figure_tables(curves, peaks)
     result = Sheet(
@@ -227,7 +227,7 @@ def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regime
 
 
 def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
-    """The sheet of a linkage of which nothing can be derived, with the reason."""
+    """The sheet of a linkage that cannot be computed: only its description and the reason."""
     return Sheet(linkage, file_facts(linkage), missing={"values": reason})
 
 
@@ -280,7 +280,7 @@ def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) 
 
 
 def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
-    """The printed figures in every variant of the file."""
+    """The printed figures beside ours, of every variant of the file, as rows."""
     if not linkage.published:
         return ()
     readings = [parse(linkage.text, linkage.name, linkage.name, variant) for variant in linkage.variants]
@@ -298,7 +298,7 @@ def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, A
 
 
 def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
-    """The thread's contour and the ways of its eyes; None without a thread."""
+    """The thread's contour and the paths of its eyes; None without a thread."""
     path = mechanism.linkage.thread
     if path is None:
         return None
@@ -366,13 +366,13 @@ def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
 
 
 def _dense_times(motion: FreeMotion) -> Array:
-    """Instants, s, so close that every turn is seen."""
+    """Instants, s, of a motion, so close that every turn is resolved."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST_INSTANTS, MOST_INSTANTS)))
 
 
 def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
-    """Speed and acceleration over the last whole turn, φ ascending within a turn; {} without one."""
+    """Angle, speed and acceleration over the last whole turn, SI, by name, φ ascending; {} without one."""
     if ending is None:
         return {}
     start = motion.duration - FULL_TURN / abs(ending.mean_speed)

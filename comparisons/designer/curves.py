@@ -72,14 +72,14 @@ class Instants:
 
     @property
     def axis(self) -> Literal["phi", "time"]:
-        """Name of the axis: "phi" or "time"."""
+        """The name of the axis: "phi" if the crank turns at one speed, else "time"."""
         return "phi" if self.is_steady else "time"
 
     @cached_property
     def grid(self) -> Array:
-        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart.
+        """Instants over the whole motion, s, ascending; just before and just after each jump of the acceleration.
 
-        Every piece of the motion has its own, evenly spaced: a short stroke after a long dwell is seen as well.
+        Every piece of the motion has its own even grid, so that a short stroke after a long dwell is resolved as well.
         """
         jumps = [jump for jump in self.motion.jumps if 0.0 < jump < self.motion.duration]
         edges = self._edges(jumps)
@@ -94,7 +94,7 @@ class Instants:
         return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
 
     def _intervals(self, edges: list[float]) -> list[int]:
-        """Number of intervals of each piece of the motion, by the crank's way in it; in all not too few or too many."""
+        """The number of intervals of each piece of the motion, by the crank's way in it, within bounds."""
         looks = max(MOTION_SAMPLES // len(edges), FEWEST_PIECE_SAMPLES)
         angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
         step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
@@ -158,7 +158,7 @@ class Instants:
 
 
 def refine_near_toggles(case: Case, grid: Array) -> Array:
-    """A grid of instants, s, with more of them where a transmission angle changes fast: near toggles forces grow."""
+    """The grid of instants, s, with more of them where a transmission angle changes fast, as near toggles."""
     time, sines = grid, _transmission_sines(case, grid)
     for _ in range(HALVINGS):
         middles = _missing_middles(time, sines)
@@ -192,7 +192,7 @@ ROUNDS: Final = 6
 
 
 def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
-    """Indices of the samples at which curves (k, n) over ``axis`` (n,) need for lines to show everything.
+    """Indices of the samples of curves (k, n) over ``axis`` (n,) that are enough to draw them.
 
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
     """
@@ -252,7 +252,7 @@ class Curves:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of all signals, the time first, a magnitude after the components of its vector."""
+        """Names of all signals: the time first, and magnitudes after the components of their vectors."""
         return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
 
     @cached_property
@@ -314,12 +314,12 @@ class Curves:
         return {name: self.signal_values(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
-        """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""
+        """The angle, rad, of a link on the branch that it has along the whole motion."""
         near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
     def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> SignalFigure:
-        """A key figure of a signal, or the direction of a force, at an instant."""
+        """The key figure ``what`` of a signal, or of a force's direction, with its value, SI, and instant, s."""
         phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
         unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
         at_end = phi is not None and any(end.has(phi) for end in self.open_ends)

@@ -198,7 +198,7 @@ def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
-    """The thread's feed and length where the feed and the heights of its eyes are extreme; from the required feed."""
+    """The thread's feed and length where feed or eyes' heights are extreme, and the required feed's largest miss."""
     path = curves.linkage.thread
     if path is None or THREAD_FEED not in curves.names:
         return
@@ -276,7 +276,7 @@ def _time_ratio(mechanism: Mechanism) -> float:
 
 
 def _range_limit(mechanism: Mechanism, end: int) -> float:
-    """The lower (0) or upper (1) end of the crank's range, rad; raises LinkproofError for a crank that turns fully."""
+    """The lower (0) or upper (1) end of the crank's range, rad; raises LinkproofError for a full turn."""
     reach = mechanism.crank_range()
     if reach.is_full_turn:
         raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
@@ -403,7 +403,7 @@ def check_published(mechanism: Mechanism) -> None:
 
 
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
-    """The printed figures of one linkage's variant beside ours; one mechanism serves them all."""
+    """The printed figures of one linkage's variant beside ours."""
     entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
     if entries:
         mechanism = Mechanism(linkage)
@@ -463,7 +463,7 @@ def _evaluate(mechanism: Mechanism, entry: Published) -> float:
 
 
 def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
-    """A printed figure's value, SI, for the ``other`` signal of the linkage or the other mechanism."""
+    """A printed figure's value, SI, for the ``other`` signal of this linkage or another mechanism's figure."""
     if other in table(mechanism):
         ending = part_figure(entry.quantity)[1]
         return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{ending}"}))
@@ -489,7 +489,7 @@ def published_figure(mechanism: Mechanism, entry: Published) -> float:
 
 @lru_cache(maxsize=8)
 def _curves(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Curves:
-    """Curves of the case that figures are printed for; sampled once for all of them."""
+    """The curves of the case that figures are printed for; the latest are cached."""
     return Curves(_case(mechanism, regime, speed, end))
 
 

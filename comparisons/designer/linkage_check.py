@@ -166,7 +166,7 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
 
 
 def _unit_slip(load: Load, linkage: Linkage) -> str:
-    """Words on the smaller unit that a load's number may be in; "" for none."""
+    """Words that suggest a smaller unit for a load's number; "" if none is likelier."""
     si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m", TorsionSpring: "N m"}[type(load)]
     unit = file_unit(si, linkage).name
     return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
@@ -194,7 +194,7 @@ def _table_slips(load: str, law: Law) -> Iterator[str]:
 
 
 def _inertia_unit_slip(ratio: float) -> str:
-    """Words on the unit that would bring a radius of gyration, over the link's size, into the link; "" for none."""
+    """Words that suggest the unit which brings the radius of gyration into the link; "" for none."""
     for slip, words in UNIT_SLIPS.items():
         if LEAST_GYRATION <= ratio / math.sqrt(slip) <= LARGEST_GYRATION:
             return f" ({words}?)"
@@ -202,7 +202,7 @@ def _inertia_unit_slip(ratio: float) -> str:
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
-    """The facts of the review of a linkage, and the fault that ended it; None without a fault."""
+    """All facts on a linkage up to its first fault, and that fault as an error; None without a fault."""
     facts = file_facts(linkage)
     try:
         for step in _steps(linkage):
@@ -214,7 +214,7 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
 
 
 def _steps(linkage: Linkage) -> Iterator[Facts]:
-    """The facts that each step adds; raises LinkproofError at the first fault."""
+    """The facts of each step of the review, in order; raises LinkproofError at the first fault."""
     yield {
         "loads": _load_facts(linkage),
         "warnings": list(warnings(linkage)),
@@ -296,7 +296,7 @@ def _turn_facts(mechanism: Mechanism) -> Facts:
 
 
 def _accuracy_facts(mechanism: Mechanism) -> Facts:
-    """How far joints are open, m, and how far the closed form can be wrong, None beyond all bounds.
+    """How far joints are open, m, and bounds of the closed form's error, None for infinite ones.
 
     Both over a full turn, else over the range short of its ends.
     """

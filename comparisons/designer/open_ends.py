@@ -36,7 +36,7 @@ class OpenEnd:
     reach: float
 
     def has(self, phi: float) -> bool:
-        """Whether an extreme at φ is at this end."""
+        """Whether an extreme at φ, rad or m, lies at this end."""
         return abs(phi - self.place) <= self.reach
 
 
@@ -117,7 +117,7 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
 
 
 def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
-    """A sentence on open ends: which they are, the dead positions beside them, and which part is free of them."""
+    """A warning about open ends: the dead positions beside them, and the part of the range free of them."""
     reach = _range_around(mechanism, ends[0].place)
     places: dict[str, list[str]] = {}
     for end in ends:

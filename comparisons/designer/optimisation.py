@@ -79,7 +79,7 @@ def round_lengths(problem: DesignProblem, numbers: Mapping[str, float], step: fl
 def _search_others(
     problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
 ) -> tuple[tuple[float, float] | None, dict[str, float]]:
-    """The rank and the numbers of a design whose variables ``left`` are searched for anew; rank None for no design."""
+    """Search anew for the variables ``left``: rank and numbers of the best design; rank None without one."""
     fixed = {
         name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
     }
@@ -179,7 +179,7 @@ class Optimum:
         return bool(abs(aim - best) <= AS_GOOD * problem.aim_size) and is_held
 
     def curves(self) -> dict[str, Array]:
-        """The signals of aims and constraints, and Mkr, over the crank angles of the search: (2, angles), SI."""
+        """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI."""
         case, grid = self.problem.case, self.problem.maxima.grid
         figures = (*self.problem.figures, *_known_figures(case.mechanism, ["Mkr.peak"]))
         signals = tuple(dict.fromkeys(figure.figure.signal for figure in figures))
@@ -267,12 +267,12 @@ def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigu
 
 
 def _constraint_size(figure: Constraint) -> float:
-    """The largest finite bound of a constraint, SI; 0 without one."""
+    """The larger of a constraint's finite bounds, SI, in magnitude; 0 without one."""
     return max((abs(end) for end in (figure.low, figure.high) if np.isfinite(end)), default=0.0)
 
 
 def _zero_size(figure: NamedFigure) -> float:
-    """The size, SI, that a figure is scaled by where it is zero: a millionth of the file's unit."""
+    """The scale, SI, for a figure that is zero: a millionth of the file's unit."""
     return 1e-6 * figure.unit.size
 
 

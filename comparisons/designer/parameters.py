@@ -44,7 +44,7 @@ class Named:
 
     @property
     def shown(self) -> str:
-        """The name with the unit, as tables are headed."""
+        """The name with its unit, as it heads a table."""
         return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
 
     def si(self, text: str) -> float:
@@ -125,7 +125,7 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
 
 
 def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
-    """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
+    """The text of the linkage file with these numbers, SI; its sketch moves if needed to keep the modes.
 
     A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
     AssemblyError where the design has no such sketch.
@@ -232,7 +232,7 @@ class SteadyCase:
         return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed)
 
     def redesigned(self, design: Mapping[str, float]) -> SteadyCase:
-        """The same with other numbers, SI, by name; a speed among them is left out."""
+        """The same case with other numbers, SI, by name; a speed among them is ignored."""
         numbers = {name: value for name, value in design.items() if name != SPEED}
         return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))
 
@@ -255,7 +255,7 @@ class SteadyCase:
 
     @cached_property
     def _moving(self) -> MovingSweep:
-        """The linkage of the file at the places."""
+        """The motion and loads of the file's linkage at the sampled places."""
         sweep = self.mechanism.sweep(self.places)
         farthest = float(np.max(sweep.output())) if self.linkage.output else 0.0
         return MovingSweep(self.mechanism, sweep, np.asarray(self.speed), np.zeros(()), farthest)

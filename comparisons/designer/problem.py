@@ -135,7 +135,7 @@ class LocalMaxima:
         return values
 
     def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
-        """Windows of one side, one around each of its highest maxima, cut at the minima between them."""
+        """The windows of one side, each around one of its highest maxima, cut at the minima between."""
         count, cyclic = len(values), self.case.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:
@@ -198,7 +198,7 @@ class Pieces(NamedTuple):
 
     @property
     def value(self) -> float:
-        """The value of the figure."""
+        """The figure's value, SI: the highest piece with its sign."""
         return self.sign * float(np.max(self.values))
 
     def bounded_by(self, sign: float) -> tuple[Array, Array]:
@@ -221,7 +221,7 @@ class Linearised(NamedTuple):
 
     @property
     def violation(self) -> float:
-        """The largest relative violation of a constraint."""
+        """The largest violation of a constraint, as a share of its size; 0 if all hold."""
         return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
 
 
@@ -385,7 +385,7 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
 
 
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
-    """The constrained figures, each with the text of its values; None where the file's value is to stay."""
+    """The constrained figures, each with the typed text of its range; None if the file's value is to stay."""
     result: dict[NamedFigure, str | None] = {}
     for text in texts:
         name, mark, values = text.rpartition("=")

@@ -252,7 +252,7 @@ class Search:
         return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
 
     def starts(self, count: int, most: int) -> list[Array]:
-        """Places to start from: the best, ``most`` at most, of an even sample of ``count``, no two near each other."""
+        """Places to start from: at most ``most``, the best of an even sample of ``count``, apart from each other."""
         problem = self.descent.problem
         places = _even_places(count, len(problem.variables))
         self.sampled += count
@@ -293,7 +293,7 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
 
 
 def _even_places(count: int, dimensions: int) -> Array:
-    """Places of the unit cube (count, dimensions), evenly spread, without an import that costs more than the sample.
+    """Places of the unit cube (count, dimensions), evenly spread; computed here, as an import would cost more.
 
     Multiples of 1/g, 1/g², ..., less their whole parts, with g^(d + 1) = g + 1: the golden ratio's sequence in d
     dimensions (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018).

@@ -214,7 +214,7 @@ class Sheet:
         return scales
 
     def place_of(self, figure: SignalFigure) -> float | None:
-        """The place of a key figure on the axis: φ, rad, or the time, s."""
+        """The place of a key figure on the axis: φ, rad, or the time, s; None without a place."""
         return figure.time if self.axis == TIME else figure.phi
 
     @property
@@ -231,7 +231,7 @@ class Sheet:
 
     @property
     def is_turn(self) -> bool:
-        """Whether the axis is the crank angle of one turn, which is shown from 0° to 360°."""
+        """Whether the axis shows exactly one turn, from 0° to 360°."""
         return self.axis == "phi" and abs(self._swept_angle - FULL_TURN) <= ROUNDING * FULL_TURN
 
     def angle(self, phi: float) -> float:
@@ -246,7 +246,7 @@ class Sheet:
 
     @property
     def symbol(self) -> str:
-        """The axis in a word: t, φ, or the travel of a drive along a line."""
+        """The symbol of the axis: t, φ, or a word for the travel of a linear drive."""
         return "t" if self.axis == TIME else "travel" if self.is_linear else "φ"
 
     @cached_property

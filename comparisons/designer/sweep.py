@@ -266,7 +266,7 @@ class SweepRequest:
 
     @property
     def loads_that_stay(self) -> str:
-        """A sentence on loads over the crank angle while the dead centres of the first or the last design move."""
+        """A warning about loads over φ while the first or last design moves the dead centres; "" without."""
         ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
         designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
         return self.case.loads_that_stay(designs)
@@ -300,7 +300,7 @@ class SweepStudy:
         return np.stack([np.min(shown, axis=1), np.max(shown, axis=1)], axis=1)
 
     def extreme(self, figure: int, way: float) -> int | None:
-        """The number of the first design with the largest of a figure, or with ``way`` -1 the least; None without."""
+        """Number of the first design with a figure's largest, or with ``way`` -1 least, value; None without one."""
         heights = np.where(np.isfinite(self.values[figure]), way * self.values[figure], -np.inf)
         place = int(np.argmax(heights))
         return place if np.isfinite(heights[place]) else None
@@ -421,6 +421,6 @@ def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dat
 
 
 def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
-    """The figures of one chunk of designs, in the form that Dask joins."""
+    """The figures of one chunk of designs, in the shape that Dask joins."""
     space = _design_space(request.space.parameters, values, is_list=request.space.is_list)
     return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)

@@ -158,7 +158,7 @@ def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple
 
 
 def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
-    """Every number by name, with the length and the angle of what has an x and a y of its own."""
+    """Every number by name, and for points given by x and y also their length and angle."""
     numbers = parameters(linkage)
     unit = linkage.units.get("angle", "rad")
     for name, number in list(numbers.items()):
@@ -276,7 +276,7 @@ class ToleranceRequest:
         return table
 
     def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
-        """Results of designs, (results, designs), SI, at offsets (tolerances, designs) from the nominal; may be nan."""
+        """Results of designs at ``offsets`` (tolerances, designs), SI, (results, designs); nan if not assembled."""
         designs, count, parts = self.designs(offsets), offsets.shape[1], []
         size = TOGETHER if is_exact(self.case.mechanism) else ALONE
         for start in range(0, count, size):
@@ -458,7 +458,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
 
 
 def _corners(derivatives: Array) -> Array:
-    """Corners, (tolerances, corners), -1 and 1: all of them, or those to which the derivatives of each result point."""
+    """Corners (tolerances, corners) of -1 and 1: all, or the two that each result's derivatives point to."""
     count = derivatives.shape[1]
     if count <= ALL_CORNERS:
         return np.array([*itertools.product((-1.0, 1.0), repeat=count)]).T

@@ -111,7 +111,7 @@ class Evidence(SignalTimes):
     header: float = 1.0
 
     def thinned(self, most: int, worst: int = 0) -> Evidence:
-        """The evidence at ``most`` samples or fewer, equally spread, and at the ``worst`` few of more."""
+        """The evidence at ``most`` samples, equally spread, and the ``worst`` ones; unchanged if it has no more."""
         few = np.arange(0, len(self.time), -(-len(self.time) // most))
         if worst and len(few) < len(self.time):
             few = np.union1d(few, np.argsort(np.nan_to_num(np.abs(self.residual)))[-worst:])
@@ -143,7 +143,7 @@ class ImportedResults:
     read: tuple[tuple[str, Column, float, str], ...] = ()
 
     def written(self, signal: str, correction: Correction) -> str:
-        """The option that says a correction of a signal's column: ``--map "Torque=-Mkr [N*mm]"``."""
+        """The ``--map`` option that states a correction of a signal's column, quoted for a shell."""
         column, value = next((column, value) for name, column, value, _ in self.read if name == signal)
         unit, factor = f" [{column.unit}]", 1.0 / correction.factor
         offset = -correction.sign * correction.offset * factor / value

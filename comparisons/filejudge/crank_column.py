@@ -100,9 +100,10 @@ class _Samples:
         return replace(self, time=self.time[few], values=self.values[few], rounding=self.rounding[few])
 
     def trials(self, within: Array) -> list[_Samples]:
-        """Columns that would be printed the same: off at random ``within`` (n,), and slowly.
+        """Columns that would be printed the same: with random errors ``within`` (n,), and with slow errors.
 
-        Where every sample goes on by the same angle the last digit is off by the same, or changes slowly.
+        Where every sample goes on by the same angle, the last digit is always off by the same amount, or changes
+        slowly.
         """
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_TRIALS, len(within)))
         slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
@@ -120,7 +121,7 @@ def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: 
 
 
 def _motion(time: Array, values: Array, resolution: Array, start_angle: float, *, of_speed: bool) -> ColumnMotion:
-    """The motion of a column: a known one if there is any within its rounding, else a spline."""
+    """The motion of a column: a known one that agrees within the rounding, else a spline."""
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
     rounding = np.maximum(resolution, FINEST_ROUNDING * coarsest)  # a run-up's first have more digits than any fit
     samples = _Samples(time, values, rounding, of_speed)
@@ -361,9 +362,9 @@ def unwrap_angles(angle: Array) -> Array:
 
 
 def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
-    """Instants or angles (n,) and their doubt: equal steps, where the printed ones are equal but for rounding.
+    """Equal steps in place of instants or angles (n,) that are equal but for rounding, and their doubt, (n,).
 
-    What is then unknown is the mean of n roundings; a step that is printed in full leaves nothing open.
+    The doubt is then that of a mean of n roundings; a step that is printed in full leaves none.
     """
     number = np.arange(len(at))
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))

@@ -358,7 +358,7 @@ def estimate_correction(evidence: Evidence) -> Correction | None:
 
 
 def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evidence:
-    """A signal with its sign and factor corrected; itself without a correction."""
+    """The evidence with a signal's sign and factor corrected; unchanged for None."""
     if correction is None:
         return evidence
     factor = correction.sign * correction.factor
@@ -414,10 +414,11 @@ class _Search:
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
     def fits(self, names: Sequence[str], open_names: Sequence[str]) -> list[Fit]:
-        """Every hypothesis fitted that does no harm; ``names`` are the signals that a column may be taken for.
+        """The fits of all hypotheses that do no harm; ``names`` are signals that a column may be taken for.
 
-        Nothing is sought in what is slow where a setting explains everything, or a number where a column of the motion
-        is right; of a linkage whose positions are computed by iteration where anything does.
+        Slow hypotheses are tried only while no setting explains everything, and numbers only where no column of the
+        motion
+        is right; for a linkage computed by iteration, only while nothing explains everything.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
         for signal in self.evidence:
@@ -433,7 +434,7 @@ class _Search:
         return result if is_settled else result + self._harmless(row for row in rows if row.is_slow)
 
     def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:
-        """Fits that make no signal worse beyond its rounding: made to some samples, measured on all if they help."""
+        """Fits of hypotheses that make no signal worse beyond its rounding, first made to a part of the samples."""
         made = (fit for row in rows if (fit := self.thin.best(row)))
         helps = (fit for fit in made if np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))))
         whole = (self.whole.evaluate(fit.fault, fit.numbers, fit.digits) for fit in helps)
@@ -449,7 +450,7 @@ class _Search:
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
     def make_finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
-        """The likeliest of several fits that explain the same signals, and those that fit as well."""
+        """The finding with the likeliest of fits that explain the same signals, and those that fit as well."""
         places = [self.places[name] for name in names]
         least = min(rivals, key=lambda fit: self.log_remainder(fit, names))
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])

@@ -96,7 +96,7 @@ def _name_key(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def header_words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
-    """The words of a header with all that each may mean, of which an unknown one has nothing.
+    """The words of a header, each with its possible meanings; {} for an unknown word.
 
     Numbers that belong to no name are left out, and words that change nothing.
     """
@@ -135,7 +135,7 @@ class Unit:
     dimension: Dimension
 
     def times(self, other: Unit, exponent: int) -> Unit:
-        """The product with a power of another unit."""
+        """The product of this unit and a power of another one."""
         powers = zip(self.dimension, other.dimension, strict=True)
         return Unit(self.factor * other.factor**exponent, tuple(own + exponent * added for own, added in powers))
 
@@ -219,7 +219,10 @@ class _Vocabulary:
 
 
 def splits(header: str, unit: str) -> Iterator[tuple[str, str]]:
-    """Name and unit of a header, the likeliest first, "" for none; ``unit`` is that which the file states apart."""
+    """Ways to divide a header into name and unit, the likeliest first; "" for no unit.
+
+    ``unit`` is one that the file states apart from the header.
+    """
     header = REPEAT_NUMBER.sub("", header)
     if parse_unit(unit):
         yield header, unit
@@ -250,7 +253,7 @@ class HeaderParser:
 
     @cached_property
     def _vocabularies(self) -> dict[str, _Vocabulary]:
-        """The words that may mean each signal."""
+        """The vocabulary of each signal: the words by which a header may mean it."""
         return {
             name: self._vocabulary_of(name)
             for name in (TIME, *self.signals)

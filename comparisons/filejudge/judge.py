@@ -138,7 +138,7 @@ class SignalVerdict(Evidence):
 
     @property
     def is_noise(self) -> bool:
-        """Whether the difference has no trend: no sample says anything of its mean, or of the next samples."""
+        """Whether the difference has no trend: its mean and its neighbours say nothing about a sample."""
         rest = (self.values - self.truth)[self.counted]
         size = float(rest @ rest)
         if len(rest) < FEWEST_OF_NOISE or not size:
@@ -166,7 +166,7 @@ class SignalVerdict(Evidence):
         return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:
-        """The signal's record in a campaign's tables; ``blank`` has what all signals share."""
+        """The verdict as an Error record; ``blank`` has the fields that all signals share."""
         errors = (self.error_max, self.error_rms) if self.outcome is not Verdict.UNDEFINED else (None, None)
         return blank._replace(
             quantity=self.name,
@@ -265,9 +265,9 @@ class ImportedJudgement:
         return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
 
     def without_cause(self, verdict: SignalVerdict) -> tuple[str, Array | None]:
-        """The likely cause of a signal's difference in words, and the file's values without it, (n,); "" for none.
+        """Words of the likely cause of a signal's difference, "" for none, and the file's values without it, (n,).
 
-        They are nan at jumps of the crank's acceleration, where either value is accepted.
+        These are nan at jumps of the crank's acceleration, where either value is accepted; None without a cause.
         """
         finding = next(
             (fault_finding for fault_finding in self.explanation.findings if verdict.name in fault_finding.signals),

@@ -142,7 +142,7 @@ class _Reading:
         return [(column, column.meaning) for column in every if column.meaning is not None]
 
     def _read(self, table: ResultTable, column: Column) -> _ReadColumn:
-        """A column with its meaning and correction, or the reason why it has none."""
+        """A column with its meaning and correction, or with the reason why it has none."""
         entry, correction, header = self.entries.get(_comparable(column.header)), NOTHING, shortened(column.header)
         if entry is not None and not entry.signal:
             return _ReadColumn(table, column, None, reason="--map leaves it out")
@@ -195,7 +195,7 @@ class _Reading:
             column.meaning, column.reason = None, f"'{shortened(before.column.header)}' names {meaning.signal}"
 
     def signals(self, table: ResultTable) -> Iterator[ImportedSignal]:
-        """The signals of a table in SI units, corrected."""
+        """The signals of a table, corrected and in SI."""
         pair = self.axes[id(table)]
         if pair is None:
             return

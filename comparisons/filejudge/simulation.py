@@ -116,7 +116,7 @@ class Simulation:
         return [self._column(curve, truths) for curve in curves]
 
     def concerns(self, name: str, before: Simulation) -> bool:
-        """Whether a column may differ from the one of the simulation ``before`` other values were given."""
+        """Whether a column may have changed since the simulation ``before``, which had other values."""
         return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
 
     def _seen_of_motion(self) -> dict[tuple[str, bytes], Array]:
@@ -188,7 +188,7 @@ def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
 
 
 def _motion_parts(linkage: Linkage) -> list[Any]:
-    """The parts of a linkage that decide its motion."""
+    """The parts of a linkage on which its motion depends, for comparison."""
     points = {name: link.points for name, link in linkage.links.items()}
     return [points, *(getattr(linkage, part) for part in MOTION_PARTS)]
 

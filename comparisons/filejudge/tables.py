@@ -255,7 +255,7 @@ def _find_header(file: ResultText, above: Sequence[_Part], signs: _Signs, first:
 
 
 def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
-    """The ways to take a line of headers apart, the likeliest first; a sign of a comment is left out."""
+    """Ways to divide a line of headers into cells, the likeliest first; a comment's sign is dropped."""
     line = COMMENT.sub("", line, count=1) if COMMENT.match(line) else line
     for delimiter in dict.fromkeys((signs.delimiter, "\t", ";", ",")):
         if delimiter != BLANK and delimiter in line:
@@ -266,7 +266,7 @@ def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
 
 
 def _is_value(cell: str) -> bool:
-    """Whether a cell is one of numbers, be it one that is not finite."""
+    """Whether a cell is a number, finite or not."""
     return bool(NUMBER.fullmatch(cell) or NOT_FINITE.fullmatch(cell))
 
 
@@ -312,7 +312,7 @@ def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) ->
 
 
 def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
-    """Raise LinkproofError for the first row of a block that is none."""
+    """Raise LinkproofError for the first row of a block that is no row of numbers."""
     rows = part.text.replace("D", "e").replace("d", "e").split("\n")
     first = signs.cells(rows[0])
     for number, row in enumerate(rows, start=part.line):
@@ -356,7 +356,7 @@ def resolution(values: Array, words: Sequence[str]) -> Array:
 
 
 def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
-    """Tables with a header of its own for every column but the axes, so that each can be named: ``Torque #2``."""
+    """The tables, headers that repeat numbered as in ``Torque #2``, so that a user can name each; axes excepted."""
     counts: Counter[str] = Counter()
     result = []
     for table in every:

@@ -110,7 +110,7 @@ def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
 
 
 def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Body]:
-    """Every link as a body in its state at the sweep's single crank angle.
+    """Every link as a body in its state at the sweep's single crank angle, by the link's name.
 
     The crank's speed ω is in rad/s, its acceleration ε in rad/s².
     """
@@ -187,7 +187,7 @@ class Truth(LinkageInMotion):
 
     @property
     def farthest(self) -> float:
-        """The output's coordinate at which S is 0, m."""
+        """The output's coordinate, m, from which S counts."""
         return zero_of_output(self.mechanism, self.motion)
 
 
@@ -202,7 +202,7 @@ class Case:
     _seen: dict[bytes, Truth] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
-        """A case travels to another process without the truth it has worked out, which is many times its own size."""
+        """The state for pickling, without cached truth, which is many times the size of the rest."""
         return self.__dict__ | {"_seen": {}}
 
     @property
@@ -233,7 +233,7 @@ class Case:
         return float(np.min(angle)), float(np.max(angle))
 
     def check_motion(self) -> None:
-        """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
+        """Raise AssemblyError where the linkage cannot be assembled or move at an angle that the crank passes."""
         low, high = self.reach
         self._check_change_points(low, high)
         cylinder = self.mechanism.linkage.cylinder
@@ -263,7 +263,7 @@ class Case:
 
     @property
     def unbounded_at(self) -> float | None:
-        """A change point that the motion passes, rad: where joint forces have no bound; None without one."""
+        """The first change point that the motion passes, rad, where joint forces are infinite; None without one."""
         low, high = self.reach
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
@@ -316,7 +316,7 @@ class Case:
         return (point[0] - link.centre[0], point[1] - link.centre[1])
 
     def along(self, vectors: Array) -> Array:
-        """Component of (n, 2) vectors along the output's direction."""
+        """The component of vectors (n, 2) along the output's direction, (n,)."""
         return np.asarray(vectors @ np.asarray(self.output.along))
 
 

@@ -15,7 +15,7 @@ EXTREMES: Final = 40
 
 
 def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:
-    """A curve of any length as a run has it (``CURVE`` of the store), its worst sample among its few."""
+    """The curve (``CURVE``, samples) that a run stores: thinned, and the sample with the largest error kept."""
     chosen = np.unique(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
     return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
 

@@ -50,11 +50,11 @@ class ObservedMotion:
 
     @cached_property
     def masses(self) -> Array:
-        """(bodies, 3): mass, mass and inertia, the weights of (x, y, θ)."""
+        """Weights of (x, y, θ) for every body: mass, mass, inertia, kg and kg m², (bodies, 3)."""
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
-        """A channel's signal; the channel has to be among those recorded. A free crank's torque is given."""
+        """The signal of a recorded channel; a free crank's torque is taken from the drive."""
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
             time = self.signal(Channel.ACCELERATION).time
             return Signal(time, self.scene.drive.torque_at(time))
@@ -63,7 +63,7 @@ class ObservedMotion:
         return signal
 
     def has(self, channel: Channel) -> bool:
-        """Whether a channel was recorded; a free crank's torque is given."""
+        """Whether a channel was recorded; always for a free crank's torque."""
         if channel is Channel.JOINT_FORCE:
             return bool(self.history.joint_force)
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
@@ -239,7 +239,7 @@ def is_off_jumps(time: Array, jumps: Sequence[float]) -> Booleans:
 
 
 def _same_time(time: Array) -> float:
-    """Distance, s, within which two times of a clock are one."""
+    """The distance, s, within which two times of a clock count as one."""
     return 1e-6 * float(time[1] - time[0])
 
 

@@ -151,7 +151,7 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
 def judged(
     pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
 ) -> RunRecord:
-    """Run a pickled case in an engine, and judge the quantities of these ``names``."""
+    """Make the run of a pickled case in an engine and judge these quantities; runs in a worker."""
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
@@ -203,7 +203,7 @@ def _without_motion(
 def _compare_quantity(
     case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
 ) -> tuple[Error, Deviation | None]:
-    """The error of one quantity, and the deviation behind it; None where the run has no sample to judge."""
+    """A quantity's judged error, and the deviation behind it; None where the run has no sample to judge."""
     blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
     lacking = quantity.lacking(motion)
     if lacking:
@@ -221,7 +221,7 @@ def _compare_quantity(
 def sheets(
     linkages: Sequence[Linkage], motions: Sequence[CrankMotion], regimes: Sequence[str], processes: int | None = None
 ) -> list[Sheet]:
-    """A sheet of every linkage, in their order; one whose process failed contains the reason."""
+    """The sheet of every linkage, in their order; where a process failed, a sheet with the reason."""
     jobs = [(linkage, motions, regimes) for linkage in linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
     try:

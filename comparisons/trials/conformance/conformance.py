@@ -53,7 +53,7 @@ def run_in_workers(engine: Engine, names: list[str], processes: int | None = Non
 
 
 def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
-    """The result of a check in a worker; a worker that gave none has failed it."""
+    """The result of a check made in a worker: a failure if the worker was lost."""
     if not isinstance(result, Lost):
         return result
     what = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(result.outcome, "")
@@ -67,7 +67,7 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
 
 
 def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
-    """A result where some failures are expected, by check; one that passes all the same fails."""
+    """The result, as an expected failure if it is listed; a listed check that passes becomes a failure."""
     reason = expected.get(result.check)
     if reason is None:
         return result
@@ -108,7 +108,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
 
 
 def _make(trial: EngineTrial, check: EngineCheck) -> None:
-    """Make a check of an engine; raises AssertionError with a sentence, or has pytest skip what is not tested."""
+    """Make a check and raise AssertionError if it fails; one that cannot be tested is skipped by pytest."""
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
     dangerous = check.name == DANGEROUS

@@ -109,7 +109,7 @@ def _in_body_frame(reading: Reading, body: str) -> Array:
 
 
 def _anchors(reading: Reading) -> dict[str, tuple[float, float]]:
-    """The points of a body that are in joints, by the joint, in the body's frame; a force has none."""
+    """Places of a body's joints in its frame, m, by joint; {} for a force."""
     sides = [(pin.name, pin.first, pin.first_anchor) for pin in reading.scene.pins]
     sides += [(pin.name, pin.second, pin.second_anchor) for pin in reading.scene.pins]
     sides += [(joint.name, joint.body, joint.anchor) for joint in reading.scene.guided]
@@ -128,7 +128,7 @@ def _at_anchor(reading: Reading, anchor: tuple[float, float]) -> Array:
 
 
 def _without_crank(reading: Reading) -> Array:
-    """The drive torque (n, 1), N m or N, without the share that accelerates and lifts the driven link itself."""
+    """The drive torque (n, 1), N m or N, less the part that accelerates and lifts the driven link itself."""
     scene = reading.scene
     crank = next(body for body in scene.bodies if body.name == scene.crank)
     velocity, second = (reading.channel_values(level, crank.name, reading.time) for level in LEVELS[1:])

@@ -51,7 +51,7 @@ class Sample:
 
     @property
     def case(self) -> Case:
-        """The case of it."""
+        """The case that the sample describes."""
         linkage, start = load(str(LINKAGES / f"{self.linkage}.toml"), self.variant), math.radians(self.start)
         if self.released or linkage.regimes:
             released = ReleasedRegime("released", 1.5, start, 6.0, 0.8)
@@ -146,7 +146,7 @@ ALL_CHANNELS: frozenset[Channel] = frozenset(Channel)
 
 
 def scene_of(sample: str) -> Scene:
-    """A sample's scene, all channels requested."""
+    """The scene of a sample, with all channels requested."""
     return case(sample).scene(ALL_CHANNELS)
 
 
@@ -196,7 +196,7 @@ class EngineTrial:
         return run.history
 
     def histories(self) -> Iterator[tuple[str, Scene, History]]:
-        """The samples that the engine takes, with scene and history; the plain one must be among them."""
+        """Yield name, scene and history of each sample that the engine takes; the plain one must be among them."""
         for sample in SAMPLES:
             try:
                 yield sample, scene_of(sample), self.finished_history(sample)
@@ -205,7 +205,7 @@ class EngineTrial:
                     raise
 
     def rows(self, sample: str, setting: Setting) -> Mapping[str, bool]:
-        """The judged rows of its run of a sample, all joints in one, and whether each failed."""
+        """Whether each judged row of the engine's run of a sample has failed, by quantity; joints in one row."""
         if (sample, setting) not in self._rows:
             self._rows[sample, setting] = self.judged_rows(sample, setting, self.finished_history(sample, setting))
         return self._rows[sample, setting]

@@ -67,7 +67,7 @@ def energy(motion: ObservedMotion, time: Array) -> Array:
 
 
 def energy_scale(motion: ObservedMotion) -> float:
-    """Peak kinetic energy, range of the potential energy and work of all other loads, J."""
+    """The scale of energy errors, J: the sum of peak kinetic energy, potential range and other loads' work."""
     time = motion.signal(Channel.POSITION).time
     work = integral(Signal(time, motion.load_power(time)), ())
     stored = np.ptp(motion.potential_energy(time))
@@ -135,7 +135,7 @@ def angle_error_from_energy(inspection: Inspection) -> Signal:
 
 
 def _start_excess(motion: ObservedMotion, first: Array) -> float:
-    """Energy at the first sample's time (1,) beyond the start state's and the work done since, J."""
+    """Energy of the first sample beyond that of the start state and the work since, J; ``first`` is its time."""
     scene, clock = motion.scene, np.zeros(1)
     position, velocity = (np.asarray(part[:, :-1], dtype=float) for part in start_motion(scene)[:2])
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
@@ -382,7 +382,7 @@ def _is_switched(scene: Scene) -> bool:
 
 
 def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
-    """Change points of the linkage's groups, rad in [0, 2π), by their links: lengths decide on them, no motion does."""
+    """Crank angles of change points, rad in [0, 2π), by the links of the group: they follow from lengths alone."""
     links = case.mechanism.linkage.links
     groups = {}
     for dyad in case.mechanism.structure.dyads:
@@ -403,7 +403,7 @@ def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:
-    """Peak drive torque, N m; of a released crank the peak of Jeq ε, which ½ Jeq' ω² all but cancels, if larger."""
+    """The scale of torque errors, N m: the peak drive torque, or a released crank's peak of Jeq ε if larger."""
     peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
     if case.is_prescribed:
         return peak

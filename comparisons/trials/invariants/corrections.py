@@ -111,7 +111,7 @@ class AssurGroups:
         return rows
 
     def _constraints(self) -> list[tuple[int, int, int]]:
-        """Guides, locked turns and a cylinder: the row of each, and the numbers of its two bodies."""
+        """Rows of guides, locked turns and a cylinder, each with the numbers of its two bodies."""
         equations = self.equations
         constraints = [
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
@@ -172,7 +172,7 @@ class Corrected:
         return self._velocity_correction if order == 1 else self._acceleration_correction
 
     def corrected(self, order: int) -> Array:
-        """Position, velocity or acceleration as it would fit the joints and the drive."""
+        """Position, velocity or acceleration (order 0, 1, 2) that fits joints and drive, (instants, bodies, 3)."""
         return self.observed(order) + self.correction(order)
 
     @cached_property
@@ -223,7 +223,7 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """φ, speed or acceleration as the drive prescribes it, rad or units; a released driver's own."""
+        """φ, its speed or acceleration (order 0, 1, 2), prescribed by the drive, or a released driver's own."""
         drive = self.equations.scene.drive
         scale = self.equations.driver.scale
         if isinstance(drive, Prescribed):

@@ -83,7 +83,7 @@ class Inspection:
         return result
 
     def assembly_mode(self) -> Signal:
-        """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
+        """How deep any group is in the wrong assembly mode, over its largest determinant, (n,)."""
         result = self.on(Channel.POSITION)
         depth = np.maximum(-result.determinants * self._start_modes() * self._mode_signs(result.time), 0.0)
         return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
@@ -98,7 +98,7 @@ class Inspection:
 
     @cached_property
     def _group_changes(self) -> list[tuple[int, float]]:
-        """The groups' change points: the number of the group among the determinants, and φ, rad."""
+        """The change points of all groups: the group's number among the determinants, and φ, rad."""
         names = list(self.groups.equations.index)
         return [
             (number, change)
@@ -153,7 +153,7 @@ class Inspection:
         return Signal(result.time[within], result.torque[within])
 
     def force_balance(self) -> Signal:
-        """How far any joint's force is from what the bodies' balance requires of it, over its own peak."""
+        """The largest difference of any joint's force from what balances the bodies, over its peak, (n,)."""
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = [*self.motion.scene.pins, *self.motion.scene.guided]
         clocks = [claimed[joint.name].time for joint in joints]

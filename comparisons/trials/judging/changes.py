@@ -122,7 +122,7 @@ class Change:
 
     @property
     def run(self) -> str:
-        """The run in words."""
+        """The run's names as one text."""
         mechanism, variant, regime, _, engine, setting, _ = self.place
         return f"{mechanism} ({variant}), {regime}, {engine} {setting}".rstrip()
 
@@ -133,7 +133,7 @@ class Change:
 
     @property
     def sentence(self) -> str:
-        """The change in words."""
+        """The change in one sentence."""
         place = f"{self.run}, {self.place[-1]}"
         if self.kind is ChangeKind.FAILING:
             return f"{place}: {Verdict(self.outcome).value}, and was not before"

@@ -70,7 +70,7 @@ class LimitTable:
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
     def judge(self, record: Error) -> Error:
-        """Compare a record's error with its limit.
+        """The record with limit and verdict, by comparing its error with its limit.
 
         ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
         that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
@@ -116,12 +116,12 @@ def shipped_limits() -> LimitTable:
 
 
 def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
-    """A whole table from its rows."""
+    """A table of limits from all its rows."""
     return LimitTable(tuple(map(Limit.model_validate, rows)))
 
 
 def limit(quantity: str, setting: str, regime: str, engine: str = "") -> Limit:
-    """The limit in the suite's own table; arguments and errors as for ``LimitTable.limit``."""
+    """The row of the suite's own table; arguments and errors as for ``LimitTable.limit``."""
     return shipped_limits().limit(quantity, setting, regime, engine=engine)
 
 
@@ -176,7 +176,7 @@ V = TypeVar("V")
 
 
 def judge(record: Error) -> Error:
-    """A record by the suite's own limits."""
+    """The record with limit and verdict, by the suite's own limits."""
     return shipped_limits().judge(record)
 
 

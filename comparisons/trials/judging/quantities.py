@@ -167,7 +167,7 @@ def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signa
 
 
 def _joint_force(joint: str) -> Quantity:
-    """The force in a joint as a quantity."""
+    """The force in a joint, N, as a quantity."""
     return Quantity(
         JOINT_FORCE + joint,
         reference=lambda case, time: np.asarray(case.at(time).joint_forces[joint].T),
@@ -329,7 +329,7 @@ def has_two_values(case: Case, time: Array) -> Booleans:
 
 
 def near_jump(time: Array, motion: DriverMotion, jump: float) -> Booleans:
-    """Which of the times (n,), s, lie in the window at one of the motion's jumps, s."""
+    """Which of the times (n,), s, lie in the window around ``jump``, s, one of the motion's jumps."""
     pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
     half = WINDOW * float(np.min(pieces, initial=motion.duration))
     return np.asarray(np.abs(time - jump) <= half * (1.0 + ROUNDING))
@@ -365,12 +365,12 @@ class Deviation:
 
     @property
     def curve(self) -> Curve:
-        """The samples as a run's record has them."""
+        """The samples of the deviation as a run stores them, thinned."""
         return stored_curve(self.time, self.angle, self.reference, self.observed - self.reference)
 
 
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
-    """Compare one quantity over every sample the engine returned.
+    """The deviation of one quantity over every sample that the engine returned.
 
     Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own: there an
     engine may be off by the jump besides; where friction or a load jumps they are left out. Samples of Jeq near

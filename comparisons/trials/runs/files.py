@@ -42,9 +42,9 @@ _CLAIMS: weakref.WeakValueDictionary[Path, Claim] = weakref.WeakValueDictionary(
 
 
 def claim(folder: Path) -> Claim:
-    """Keep other commands out of a results folder, made if need be, as long as the claim lives.
+    """Keep other commands out of a results folder, created if missing, as long as the returned claim lives.
 
-    Raises LinkproofError where another process has claimed it, and for what is no results folder.
+    Raises LinkproofError where another process has claimed it, and for a path that is no results folder.
     """
     check_folder(folder)
     try:
@@ -79,7 +79,7 @@ def check_folder(folder: Path) -> None:
 
 
 def _check_tree(place: Path) -> None:
-    """Raise LinkproofError for a link, a pipe or a device at a place or beneath it; nothing need be there."""
+    """Raise LinkproofError for a link, pipe or device at a place or beneath it; a missing place is fine."""
     with suppress(FileNotFoundError):
         mode = place.lstat().st_mode
         if stat.S_ISDIR(mode):
@@ -91,7 +91,7 @@ def _check_tree(place: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
+    """Raise LinkproofError at once, not after an hour's work, if no file could be written at ``path``."""
     nearest = next(folder for folder in _final_path(path).parents if os.path.exists(folder))
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
         raise _write_error(path)
@@ -123,7 +123,7 @@ def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> N
 
 
 def _final_path(path: Path) -> Path:
-    """The path of a file to write, at the end of its links; raises LinkproofError if something else is there."""
+    """The file to write once links are followed; raises LinkproofError if there is something else."""
     if "\0" in str(path):
         raise _write_error(path)
     place = Path(os.path.realpath(path))

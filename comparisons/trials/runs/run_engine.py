@@ -96,7 +96,7 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
 
 
 def lost(error: BaseException, memory: int) -> Lost:
-    """The loss of a job that raised ``error`` within a bound of ``memory`` bytes."""
+    """The Lost record for a job that raised ``error`` within a memory bound, bytes."""
     if isinstance(error, MemoryError):
         return Lost(Failure.CRASHED, f"needed more than {memory / GIB:.3g} GiB of memory")
     if isinstance(error, SystemExit):
@@ -282,7 +282,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _shown_value(value: object) -> str:
-    """A number as it is, anything else by its type alone, since its own text may be anything."""
+    """A number as text; anything else by its type, since its own text may be anything."""
     return repr(value) if isinstance(value, float | int) else f"a {type(value).__name__}"
 
 

@@ -142,7 +142,7 @@ class Runs:
         return self._read("study", self.study)
 
     def _read(self, column: str, number: int) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
-        """Row and curves of the runs that have this number in a column."""
+        """Row and curves of the runs whose ``column`` has this number."""
         mine, select = f"FROM errors WHERE run IN (SELECT id FROM runs WHERE {column} = ?)", self.connection.execute
         counts = {
             run: (count - checks, checks)
@@ -199,7 +199,7 @@ def temporary_runs() -> Runs:
 
 
 def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
-    """The runs of a request that are finished, and how another request differed that was begun here; empty if none.
+    """The store of a request's finished runs, and how an earlier, other request in the folder differed; "" if none.
 
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
     else that decides its results, such as versions. ``command`` repeats it with every option. The runs of another
@@ -314,7 +314,7 @@ def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> A
 
 @contextmanager
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
-    """Turn errors of a file that cannot be read or written into LinkproofError."""
+    """Turn errors of reading or writing the folder's file, in the block, into LinkproofError."""
     import sqlite3  # noqa: PLC0415
 
     try:
@@ -325,7 +325,7 @@ def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
 
 
 def fault_words(error: Exception) -> str:
-    """Why a saved file cannot be read: the first fault with its key of a ValidationError, else the error's text."""
+    """The reason why a saved file cannot be read: a ValidationError's first fault, else the error's text."""
     if not isinstance(error, ValidationError):
         return str(error)
     first = error.errors(include_url=False, include_input=False)[0]

@@ -86,7 +86,7 @@ def _main_module_hidden() -> Iterator[None]:
 
 
 def _output_to(path: str) -> contextlib.AbstractContextManager[None]:
-    """Append what this process writes to a file, unless its output is requested."""
+    """In the block, append the process' output to a file, unless output is requested."""
     return contextlib.nullcontext() if os.environ.get(SHOW_OUTPUT) else silenced(path)
 
 
@@ -224,7 +224,7 @@ class Worker:
         return Lost(Failure.CRASHED, reason)
 
     def stop(self) -> None:
-        """Kill the process, whatever it is doing, and all that it has started."""
+        """Kill the process, and all that it has started, at once."""
         self.pool.stop()  # type: ignore[no-untyped-call]
         self.process.terminate()
         self.pool.join()

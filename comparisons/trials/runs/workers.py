@@ -48,7 +48,7 @@ class Pool(Protocol):
         bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job; yields (index of the job, result) as they complete.
+        """Call ``function(*job)`` for every job in worker processes; yields (index of the job, result) as they end.
 
         ``function`` is of a module, or a ``functools.partial`` of one. Jobs begin in order, are taken from their
         iterable when there is room for them, and ``begun`` is called with the index of each.
@@ -107,7 +107,7 @@ class LocalPool:
             raise
 
     def _worker(self, module: str) -> Worker:
-        """A worker that is free, or a new one for jobs of a module; raises LinkproofError where there can be none."""
+        """A free worker, or a new one, for jobs of a module; raises LinkproofError where none can start."""
         while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
             self._free.pop().stop()
         from comparisons.trials.runs.worker_process import Worker  # noqa: PLC0415  lacks modules in a browser
@@ -120,7 +120,7 @@ class LocalPool:
         self._busy[worker.begin(job)] = worker
 
     def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
-        """Wait for results; the job that a used worker died of begins once more in a new one."""
+        """Wait for results and yield them; a job whose used worker died is begun once more in a new one."""
         wait(self._busy, _PULSE, FIRST_COMPLETED)
         for future, worker in list(self._busy.items()):
             if not future.done() and worker.is_usable():

@@ -53,7 +53,7 @@ class Border(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """The value between the two, halfway by ratio, to the digits that a cell's name has."""
+        """The value between both, by the geometric mean, to the digits that a cell's name has."""
         low, high = self.ends
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
@@ -179,7 +179,7 @@ class Stress:
 
 
 def save(folder: Path, stress: Stress) -> None:
-    """Write a stress test into a folder."""
+    """Write a stress test into a folder, replacing an earlier one."""
     save_study(folder, KIND, stress.document, ((result.key, *result.written()) for result in stress.results))
 
 
@@ -216,7 +216,7 @@ def stress(
 
 
 def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[Cell]:
-    """These cells alone, each in a worker process of its own, in their order."""
+    """Run only these cells, each in a worker process of its own; the results in their order."""
     return _run_cells(_stress_study(lambda *_: None, None, pool), chosen)
 
 

@@ -306,7 +306,7 @@ class Axis:
     common: Mapping[str, Any] = field(default_factory=dict)  # to all rows
 
     def row(self, label: str) -> Conditions:
-        """A row by its label."""
+        """The row with this label; raises UnknownNameError."""
         rows = {row.label: row for row in self.rows}
         if label not in rows:
             raise UnknownNameError(f"row of axis '{self.name}'", label, rows)
@@ -435,7 +435,7 @@ def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions
 
 
 def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
-    """A sentence for everything that is further from the closed form than ``WRONG``; empty where nothing is.
+    """A sentence for each kind of signal farther from the closed form than ``WRONG``; [] if there is none.
 
     Of all positions, and of all velocities, the worst one is named.
     """
@@ -459,9 +459,10 @@ def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
 
 
 def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engine) -> Cell:
-    """A cell with the verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
+    """The cell with a verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
 
-    Those of ``naive`` would hide a wrong motion. Where the closed form itself has no motion, no motion is right, and
+    The limits of ``naive`` would hide a wrong motion. Where the closed form itself has no motion, no motion is right,
+    and
     the invariants have to flag it.
     """
     if made.outcome is not Outcome.FINISHED or made.history is None:

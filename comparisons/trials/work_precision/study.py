@@ -85,7 +85,7 @@ class Point:
 
     @property
     def words(self) -> str:
-        """Setting, or method with its steps, in words."""
+        """The setting, or the method with its steps per turn, in words."""
         if self.run.steps_per_turn is None:
             return f"setting {self.run.setting}"
         return f"{self.run.setting}, {self.run.steps_per_turn:g} steps a turn"
@@ -217,7 +217,7 @@ class Rounds:
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
     def runs(self, sweep: PointSweep) -> Iterator[BenchRun]:
-        """A run per point of a sweep; a sweep there was no time for has its first point to say so."""
+        """One run per point of a sweep; an unmeasured sweep is shown by its first point, with the reason."""
         if not sweep.measurements:
             late = Failure.TIMED_OUT.value
             yield replace(sweep.points[0].run, outcome=late, detail=sweep.ended, ended=sweep.ended)
@@ -336,7 +336,7 @@ def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
 def planned_sweeps(
     number: int, case: Case, engine_name: str, methods: Sequence[Method], request: BenchRequest
 ) -> Iterator[PointSweep]:
-    """The sweeps of one engine on the case of a ``number``: settings, then methods."""
+    """The sweeps of one engine on the case numbered ``number``: settings first, then methods."""
     settings, extent = request.settings, request.extent
     if extent.fronts_only:
         settings = tuple(setting for setting in settings if setting is not Setting.BEST)

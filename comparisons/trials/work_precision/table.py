@@ -82,7 +82,7 @@ class BenchRun(RunRecord):
 
     @property
     def key(self) -> str:
-        """The unique key of the point."""
+        """The key of the point, unique in the benchmark."""
         return super().key + ("" if self.step is None else f", step {self.step!r}")
 
     def columns(self, quantities: Sequence[str]) -> Iterator[dict[str, Any]]:
@@ -157,7 +157,7 @@ class Bench:
 
 
 def save(folder: Path, bench: Bench) -> None:
-    """Write a benchmark into a folder."""
+    """Write a benchmark into a folder, replacing an earlier one."""
     save_study(folder, KIND, bench.document, ((point.key, *point.written()) for point in bench.points))
 
 
@@ -295,12 +295,12 @@ def sweeps(points: DataFrame) -> list[DataFrame]:
 
 
 def least(points: DataFrame) -> Row:
-    """The point of the smallest error."""
+    """The point with the smallest error."""
     return min(rows(points), key=lambda row: row.error_max)
 
 
 def has_floor(sweep: DataFrame) -> bool:
-    """Whether finer steps do not lower the least error."""
+    """Whether the finest steps fail to lower the least error, so that it is a floor."""
     return len(sweep) > 1 and not is_falling(list(sweep.error_max))
 
 
@@ -403,7 +403,7 @@ def quantities(place: DataFrame) -> list[str]:
 
 
 def foremost(place: DataFrame) -> str:
-    """The quantity by which a place is judged; where nothing finished, the first requested."""
+    """The quantity by which a place is judged: the first of ``FOREMOST`` measured, else the first requested."""
     names = quantities(place) or [place.quantity.iloc[0]]
     return next((name for name in FOREMOST if name in names), names[0])
 
