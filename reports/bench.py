@@ -61,10 +61,10 @@ LEAST_NOISE = 0.05
 
 
 def comparison_words(comparison: Standing, noise: float) -> str:
-    """A setting's distance from the methods' front, as the end of a sentence.
+    """The end of a sentence on how far a setting is from the methods' front.
 
-    ``best`` is compared with all methods, the others with those of a single run; a share ``noise`` of its time is
-    nothing.
+    ``best`` is compared with all methods, the others with those of a single run; a difference in time of a share
+    ``noise`` is ignored.
     """
     record, ratio, whole = comparison.record, comparison.ratio, comparison.record.setting == Setting.BEST
     if (record.error_max or 0.0) > SATURATED:
@@ -79,7 +79,7 @@ def comparison_words(comparison: Standing, noise: float) -> str:
 
 
 def way_words(record: Row) -> str:
-    """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
+    """The way to a point in words: method and, after "@", the steps per turn of its adapter or sweep."""
     return " @ ".join(filter(None, (method_words(record), per_turn(record))))
 
 
@@ -93,7 +93,7 @@ def method_words(record: Row) -> str:
 
 
 def effort_words(effort: float | None, unit: str) -> str:
-    """A solver effort: "300 iterations", "relative tolerance 1e-6"; of an engine's own, that it is."""
+    """A solver's effort in words: "300 iterations"; for None, that it is the engine's own."""
     if effort is None:
         return f"the engine's own {unit}" if unit else ""
     return f"{unit} {bound(effort)}" if "tolerance" in unit else f"{effort:g} {unit}"
@@ -105,7 +105,7 @@ def per_turn(record: Row) -> str:
 
 
 def least_words(sweep: DataFrame) -> str:
-    """The least error of a sweep, called a floor where a finer step does not lower it, and its steps a turn."""
+    """The least error of a sweep in words, with its steps per turn; called a floor if finer steps do not lower it."""
     best = least(sweep)
     return f"{'floor' if has_floor(sweep) else 'least'} {error(best.error_max)} @ {per_turn(best)}"
 
@@ -116,7 +116,7 @@ def noise_share(bench: Bench) -> float:
 
 
 def noise_note(bench: Bench) -> str:
-    """How the times were measured, in small print."""
+    """A note, in small print, on how the times were measured."""
     return sentence("machine_noise", noise=bench.noise, repeats=bench.document["extent"]["repeats"])
 
 
@@ -215,7 +215,7 @@ def _methods(place: DataFrame, quantity: str) -> Table:
 
 
 def _choices(place: DataFrame, quantity: str) -> Table:
-    """The cheapest way to an error: a row for all errors that one point of an engine serves."""
+    """The table of the cheapest way to each error; errors that one point of an engine serves share a row."""
     rows = []
     for points in [points for points in engines(place, quantity) if points.finished.any()]:
         for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
@@ -246,7 +246,7 @@ NAMED = (0, 1, 4)
 
 
 def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
-    """The cheapest engines for a few errors, in words for every regime; a share ``noise`` of a time is nothing."""
+    """A paragraph per regime on the cheapest engines for a few errors; times within a share ``noise`` are equal."""
     chosen = {
         name: [[choices(points) for points in engines(place) if not points.is_control.any()] for place in places]
         for name, places in regimes.items()
@@ -257,7 +257,7 @@ def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
 def _verdict(
     regime: str, group: Sequence[DataFrame], ways: Sequence[Sequence[Sequence[Row | None]]], noise: float
 ) -> str:
-    """The cheapest engines under a regime in words; one that is alone the cheapest everywhere is named once."""
+    """A sentence on the cheapest engines under a regime."""
     wins = [(_error_words(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
     leaders = {winners[0][0] if len(winners) == 1 and winners[0][2] == len(ways) else "" for _, winners in wins}
     always = leaders.pop() if len(leaders) == 1 else ""
@@ -287,13 +287,13 @@ def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, in
 
 
 def _time_span(records: Sequence[Row]) -> str:
-    """The shortest and the longest time, set-up and stepping; one where they read alike."""
+    """The shortest and longest time of runs in words, set-up included; one time where both read alike."""
     times = [record.total_seconds for record in records]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
 def choices_section(regimes: Regimes, note: str) -> Section:
-    """The section on the cheapest way to an error: all mechanisms, then each in a fold; ``note`` is in small print."""
+    """The section on the cheapest way to an error: over all mechanisms, then each in a fold, with ``note``."""
     each = {f"{place.mechanism.iloc[0]}, {name}": (place,) for name, places in regimes.items() for place in places}
     whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
     folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)
@@ -411,7 +411,7 @@ Rows: TypeAlias = "Callable[[DataFrame], Iterator[tuple[TableCell, TableCell]]]"
 
 
 def method_section(regimes: Regimes, bench: Bench) -> Section:
-    """Settings, orders and least errors, and the settings that take much time of their adapters."""
+    """The section on settings, orders and least errors, and on settings slowed by their adapters."""
     about = {(method["engine"], method["name"]): method["about"] for method in bench.document["methods"]}
     noise, overheads = noise_share(bench), large_overheads(bench)
 
@@ -442,7 +442,7 @@ def method_section(regimes: Regimes, bench: Bench) -> Section:
 
 
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
-    """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
+    """A table with engines and their rows down, mechanisms by regime across."""
     places = [place for part in regimes.values() for place in part]
     table: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
     for column, place in enumerate(places):

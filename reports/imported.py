@@ -112,7 +112,7 @@ def _names_with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
 
 
 def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
-    """Why signals are open, those with the same cure together."""
+    """Sentences why signals are open; those with the same cure share one."""
     reasons = grouped(
         (verdict.detail, verdict.name) for verdict in judgement.verdicts if verdict.outcome is Verdict.UNDEFINED
     )
@@ -123,7 +123,7 @@ def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _unexplained_sentences(judgement: ImportedJudgement) -> Iterator[str]:
-    """Signals whose difference is noise, and those that no cause explains."""
+    """Sentences on signals whose difference is noise, and on those that no cause explains."""
     names = judgement.explanation.unexplained
     noisy = {verdict.name: verdict for verdict in judgement.verdicts if verdict.name in names and verdict.is_noise}
     for name, verdict in noisy.items():
@@ -171,7 +171,7 @@ def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]
 
 
 def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
-    """Notes below the table: signals near zero, samples at jumps, peaks between samples."""
+    """Notes below the table, on signals near zero, samples at jumps, and peaks between samples."""
     if any(verdict.near_zero for verdict in judgement.verdicts):
         yield f"* near zero: judged over {share(NEAR_ZERO)} of the typical size of its kind in this linkage"
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
@@ -194,7 +194,7 @@ def _remaining_error(finding: FaultFinding) -> str:
 
 
 def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentence: str) -> dict[str, Any]:
-    """The JSON document of ``judge``."""
+    """The judgement as JSON-ready data."""
     return {
         "command": command,
         "conditions": run.conditions,
@@ -217,7 +217,7 @@ def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentenc
 
 
 def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
-    """A judgement as a run: the files stand in an engine's place, and an error's detail names its likeliest cause."""
+    """The judgement as a run whose engine is the files; each error's detail names its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
     run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", IMPORTED, runs=1)
@@ -233,7 +233,7 @@ def _with_cause(error: Error, judgement: ImportedJudgement) -> Error:
 
 
 def _signal(verdict: SignalVerdict) -> dict[str, Any]:
-    """The JSON of one signal: its column, and where its error is largest, s and rad."""
+    """The data of one signal: column, errors, and the place of the largest, s and rad; JSON-ready."""
     return {
         "name": verdict.name,
         "column": verdict.imported.column.header,

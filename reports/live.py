@@ -53,7 +53,7 @@ class FileTemplate:
 
 
 def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
-    """The file as it is, if its own values are meant, and the file with all numbers of the variant written out.
+    """The linkage file as templates: as it is, if its own values are meant, and with the variant's numbers written out.
 
     A number that the first one lacks, as its file leaves it out or has it in another form, is in the second one.
     """
@@ -135,9 +135,9 @@ def model_of(sheet: Sheet) -> Model | str:
 
 
 def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> Widget:
-    """The drawing and the curves of a sheet; ``instead`` stands where no script runs.
+    """The widget with the drawing and curves of a sheet; ``instead`` is shown where no script runs.
 
-    Without a model the widget has them at samples of the motion, and nothing on it can be changed.
+    Without a model it holds samples of the motion, and nothing on it can be changed.
     """
     label = f"{sheet.linkage.title or sheet.name} in motion"
     if isinstance(model, str):
@@ -176,7 +176,7 @@ def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, Any]]:
-    """φ, the results and what arrows show at instants evenly spaced in time, packed; the names of the last.
+    """The names of the sampled results, and their packed values at instants evenly spaced in time.
 
     Poses follow from φ.
     """
@@ -217,7 +217,7 @@ def _pair(name: str, values: Array) -> dict[str, Array]:
 
 
 def _numbers(model: Model) -> dict[str, Any]:
-    """Every number that the formulas are given or the file has, and the file as templates."""
+    """The data of every number of the formulas and the file, with the file as templates, JSON-ready."""
     linkage, every = model.mechanism.linkage, named_numbers(model.mechanism.linkage)
     chosen = {name: number for name, number in every.items() if number.kind != "direction"}
     file = written_numbers(linkage.text, linkage.name, linkage.variant)
@@ -288,7 +288,7 @@ def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> 
 
 
 def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
-    """Data of the drawing: points of bodies in their frames, m, guides, springs, effects of pulling at a point."""
+    """Data of the drawing, JSON-ready: points of bodies in their frames, m, guides, springs, pulls."""
     linkage = mechanism.linkage
     guides = [(slider.link, slider.point, slider.guide, slider.link) for slider in linkage.sliders]
     guides += [("", slot.point, slot.guide, slot.name) for slot in linkage.slots]
@@ -432,7 +432,7 @@ def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str, Any]:
-    """The pieces of a motion; its ``speed``, rpm, where it has one alone, which can be changed."""
+    """The data of a motion: its pieces and, if it has only one speed, that speed, rpm, to be changed."""
     segments = [[segment.start, segment.end, list(segment.coefficients)] for segment in motion.segments]
     first = motion.segments[0].coefficients
     is_steady = len(segments) == 1 and len(first) == 2
@@ -450,7 +450,7 @@ def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str
 
 
 def _open_places(mechanism: Mechanism, motion: CrankMotion) -> list[float]:
-    """The ends of a motion beside a dead position, φ in rad or m."""
+    """The ends, φ in rad or m, of a motion that lie beside a dead position."""
     first, last = (float(motion.angle(np.array([time]))[0]) for time in (0.0, motion.duration))
     return [end.place for end in open_ends(mechanism, first, last)]
 

@@ -90,7 +90,7 @@ class View:
         return sorted(groups, key=lambda run: any(record.origin == CONTROL for record in run))
 
     def quantities(self, regime: Regime) -> tuple[str, ...]:
-        """Names of the quantities and then of the invariants of a regime."""
+        """Names of the quantities, then of the invariants, of a regime."""
         names = dict.fromkeys(record.quantity for record in self.of(regime))
         return tuple(sorted(names, key=self.invariants.__contains__))
 
@@ -106,7 +106,7 @@ class View:
         return " ".join(filter(None, (symbol, words or title(quantity))))
 
     def curved(self, regime: Regime, quantity: str) -> list[Error]:
-        """The records of a quantity under a regime whose runs gave a curve of it."""
+        """The records of a quantity under a regime whose runs stored a curve of it."""
         mine = self.of(regime) if quantity not in self.invariants else ()
         return [record for record in mine if record.quantity == quantity and record.error_max is not None]
 
@@ -134,7 +134,7 @@ def views(results: CampaignResults) -> tuple[View, ...]:
 
 
 def anchor(*names: str) -> str:
-    """Names joined so that a link within the page can point to them."""
+    """Names joined to an identifier that links within the page point to."""
     return re.sub(r"\W+", "-", "-".join(names))
 
 
@@ -144,7 +144,7 @@ def family(quantity: str) -> str:
 
 
 def family_title(quantity: str) -> str:
-    """A family's symbol, or its name for a reader."""
+    """A family's symbol or, without one, its name for a reader."""
     name = family(quantity)
     return SYMBOLS.get(name, plain(name))
 
@@ -190,7 +190,7 @@ class Look(NamedTuple):
 
 
 def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look]:
-    """The looks of engines by name; no two of fewer than 43 are alike, and controls are muted."""
+    """The look (colour and symbol) of each engine, by name; controls are muted. Fewer than 43 all differ."""
     return {
         name: Look("muted" if name in controls else f"c{n % COLOURS}", *SHAPES[n % len(SHAPES)])
         for n, name in enumerate(sorted(names))
@@ -198,12 +198,12 @@ def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look
 
 
 def setting_rank(setting: str) -> int:
-    """The place of a setting in their order; one that is no engine's comes last."""
+    """The rank of a setting in the order of settings; a setting that no engine has comes last."""
     return SETTINGS.index(setting) if setting in SETTINGS else len(SETTINGS)
 
 
 def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Families of the quantities and names of the invariants, in the order of their definition."""
+    """Families of quantities, and names of invariants, in the order of their definition."""
     table = dict.fromkeys(family(record.quantity) for record in results.records)
     known = [name for name in QUANTITIES if name in table]
     quantities = (*known, *(name for name in table if name not in known))
@@ -216,7 +216,7 @@ def worst(records: Iterable[Error]) -> Error:
 
 
 def share(record: Error) -> float:
-    """An error over its limit; 0 without an error."""
+    """An error divided by its limit; 0 without an error."""
     return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
@@ -322,7 +322,7 @@ def _change_row(entry: Change, count: int = 1) -> tuple[str, ...]:
 
 
 def appeared_note(changes: Sequence[Change]) -> tuple[str, ...]:
-    """A line about what was not recorded, which is no failure; none if everything was."""
+    """A line on results that were not recorded before, which is no failure; () without any."""
     new = [entry for entry in changes if not entry.fails]
     if not new:
         return ()
@@ -393,14 +393,14 @@ STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED:
 
 
 def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
-    """A line of every check, and how many came to what."""
+    """The printed checks of an adapter: a line each, and how many ended in which way."""
     counts = Counter(each.finding for each in checks)
     closing = f"{engine_name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
     return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 
 def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
-    """A line of every check; of mutants that say the same, one line."""
+    """The rows of the checks; mutants with the same outcome and words share a row."""
     groups: Counter[tuple[str, Finding, str]] = Counter()
     for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED

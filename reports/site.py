@@ -73,12 +73,12 @@ class Contents:
 
     @property
     def is_single(self) -> bool:
-        """Whether it is a designer's results or a judgement of one linkage, whose page is the first one."""
+        """Whether the folder holds one designer's result or judgement, whose page is then the first."""
         judged = self.campaign is None or "judgement" in self.campaign.document
         return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
-        """The file of the page of a mechanism."""
+        """The file name of a mechanism's page; that of the first page if it is the only one."""
         return INDEX if self.is_single else mechanism_page.file_of(sheet)
 
     def links(self) -> tuple[PageLink, ...]:
@@ -164,7 +164,7 @@ def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
 
 
 def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[str, ...]:
-    """Write one page; returns the names of its files. The garbage collector is off: it would take an eighth of it."""
+    """Write one page; returns the names of its files. Garbage collection is off, which saves an eighth."""
     gc.disable()
     try:
         if file == SUMMARY and contents.campaign is not None:

@@ -85,7 +85,7 @@ FLAGGED = "Flagged: "  # separates the fault from the checks' messages in a reas
 
 
 def map_data(stress: Stress, axis: str) -> dict[str, Any]:
-    """The map of one axis, JSON-ready: for its script and its figure."""
+    """The map of one axis, JSON-ready, for its script and its figure."""
     known, values = axes()[axis], stress.columns[axis]
     rows = grouped((line[1], _line_data(stress, line, values)) for line in stress.lines if line[0] == axis)
     return {
@@ -119,7 +119,7 @@ def _cell_data(result: Cell) -> dict[str, Any]:
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:
-    """The column that a border stands left of."""
+    """The index of the column whose left edge is the border."""
     low, high = border.ends
     between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     rising = list(values) == sorted(values)
@@ -141,7 +141,7 @@ def cell_facts(result: Cell) -> dict[str, str]:
 
 
 def _error_and_limit(errors: Sequence[Error]) -> str:
-    """The first error and its limit, both over the peak, with the name of its quantity; empty without any."""
+    """The first error and its limit, over the peak, with the quantity's name, as text; "" without any."""
     return "".join(f"{worded(row.quantity)} {error(row.error_max)}, limit {bound(row.limit)}" for row in errors[:1])
 
 
@@ -151,7 +151,7 @@ def _condition_text(value: object) -> str:
 
 
 def verdict_symbols(stress: Stress) -> list[dict[str, Any]]:
-    """Symbol, colours and word of every verdict, whether it ``occurs``, and dark pages leave it ``fixed``."""
+    """The symbol, colours and word of every verdict for the map's script, JSON-ready."""
     seen = stress.count()
     return [
         {**sign._asdict(), "word": verdict.value, "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}
@@ -169,7 +169,7 @@ RANKED = "tuned"  # the setting by which engines are ranked
 
 
 def summary(stress: Stress, macro: str) -> str:
-    """A summary in the words of one macro: the runs, wrong motions flagged and missed, false alarms."""
+    """A summary by one macro of the sentences: runs, wrong motions flagged and missed, false alarms."""
     count = stress.count()
     caught, missed, alarms = (count[verdict] for verdict in (*WRONG_MOTIONS, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
@@ -193,7 +193,7 @@ def ranking(stress: Stress) -> str:
 
 
 def verdict_facts(stress: Stress) -> Facts:
-    """How many cells came to each verdict, and its meaning; the claim is 0 for "missed"."""
+    """The number of cells of each verdict, with its meaning; the claim is 0 of "missed"."""
     count = stress.count()
     return Facts(
         tuple(
@@ -231,7 +231,10 @@ def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
 
 
 def incident_table(results: Iterable[Cell]) -> Table:
-    """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
+    """A table with a row per cell, its reason and its command.
+
+    Of many cells only the first of each axis and engine is shown, with the number of the others.
+    """
     cell_results = sorted(results, key=lambda result: result.engine)
     is_long = len(cell_results) > MOST_ALONE
     groups = grouped(((result.engine, result.axis) if is_long else result.key, result) for result in cell_results)
@@ -269,7 +272,7 @@ def _incident_line(cell: Cell) -> Paragraph:
 
 
 def cell_details(result: Cell) -> str:
-    """The details of one cell, a line to a fact."""
+    """The details of a cell as text, a line for each fact."""
     facts = (f"{name}: {words}" for name, words in cell_facts(result).items())
     return "\n  ".join([f"{result.key}: {result.verdict.value}", *facts])
 
@@ -322,7 +325,7 @@ def _maps(stress: Stress) -> Section:
 
 
 def _incidents(stress: Stress) -> Iterator[Part]:
-    """A table to each verdict that occurs, and a sentence on those that do not."""
+    """For each verdict a table of its cells, or a sentence that it does not occur."""
     cells = {stress_verdict: stress.of(stress_verdict) for stress_verdict in (*OPEN, StressVerdict.CAUGHT)}
     for verdict, results in cells.items():
         if results:

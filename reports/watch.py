@@ -32,7 +32,7 @@ from reports.mechanism.page import page
 
 
 def watch(mechanism: str, motion: Motion, *, opens: bool) -> None:
-    """Serve the page of a file until Ctrl-C."""
+    """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``."""
     file = _WatchedFile(mechanism, motion)
     try:
         browser = webbrowser.get() if opens else None

@@ -29,7 +29,7 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 def benchmark(
     function: Callable[..., Any], given: Mapping[str, Any], linkages: Sequence[Linkage], command: str
 ) -> Benchmark:
-    """Measure what the call of a ``function`` asks for; its folder keeps the runs, and ``command`` repeats it."""
+    """Make the measurements that a call of ``function`` asks for; its folder keeps runs, ``command`` repeats it."""
     runs = request(linkages, usual_motion(given["motion"], quick=given["quick"]), given["engine"])
     cases, folder = tuple(each_case(runs)), given["out"]
     quantities = measured_quantities(cases, given["quantity"])
@@ -46,7 +46,7 @@ def benchmark(
 
 
 def usual_motion(motion: Motion, *, quick: bool) -> Motion:
-    """The motion with the default regimes if none is named.
+    """The motion, with the default regimes if it names none.
 
     A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
     """

@@ -70,7 +70,7 @@ def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) 
 
 
 def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
-    """The names of the linkages that have a variant; all names if none has it or ``variant`` is None."""
+    """The names of linkages that have the variant; all names for None, or if none has it."""
     return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
 
 
@@ -94,7 +94,7 @@ def installed(engines: Sequence[str]) -> list[str]:
 
 
 def missing_engines(engines: Sequence[str]) -> str:
-    """A remark that names the engines which are not among the installed ``engines``; empty where all are."""
+    """A remark that names the engines that are not installed, given the installed ones; "" where all are."""
     absent = [name for name in engine_names() if name not in engines]
     if not absent:
         return ""
@@ -216,7 +216,7 @@ def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTab
 
 
 def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
-    """The linkages of a comparison and those in the same folders, which a limit may name, too."""
+    """The linkage files of a comparison and those in the same folders, which a limit may name as well."""
     yield from named
     for folder in dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known):
         for path in sorted(folder.glob("*.toml")):
@@ -232,7 +232,7 @@ def _regimes(file: LinkageFile) -> list[str]:
 
 
 def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen, command: str) -> Comparison:
-    """Make the runs that the call of a ``function`` asks for, and judge them; its folder keeps the runs.
+    """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
 
     ``command`` repeats it. Raises LinkproofError for bad input before any run.
     """

@@ -24,9 +24,9 @@ class OwnStudy(NamedTuple):
 
 
 def own_study(function: Callable[..., Any], given: Mapping[str, Any]) -> OwnStudy:
-    """The study in the folder ``out``, where nothing else is given that affects the results.
+    """The state of the study in the folder ``out``: finished or not, and the arguments that began it, if needed.
 
-    Of an unfinished study the arguments are those that began it; nothing else is taken from the folder.
+    The folder is only read if nothing else is given that affects the results. Raises LinkproofError for a damaged one.
     """
     folder, name = given["out"], function.__name__
     if folder is None or changed_arguments(function, given):

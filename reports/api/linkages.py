@@ -20,7 +20,7 @@ Moved = TypeVar("Moved", Motion, SteadyMotion)
 
 
 def linkage_file(given: LinkageLike) -> LinkageFile:
-    """The file of a linkage; raises LinkproofError for one that was changed in Python, since its file is another."""
+    """The file of a linkage given by name, path or object; raises LinkproofError for one changed in Python."""
     if isinstance(given, Mapping):
         import tomlkit  # noqa: PLC0415 - files are read without it
 
@@ -40,7 +40,7 @@ def linkage_file(given: LinkageLike) -> LinkageFile:
 
 
 def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """The linkage, in ``variant`` if it is named."""
+    """The linkage in a variant, its own by default, without gravity if that is switched off."""
     if isinstance(given, Linkage):
         result = given if variant is None else in_variant(given, variant)
     else:

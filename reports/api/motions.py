@@ -108,7 +108,7 @@ def requested_results(
 
 
 def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
-    """A case of the one motion that the options name; None if they name none."""
+    """The case of the one motion that the options name; None if they name none, LinkproofError for several."""
     check_motion(options)
     linkage = mechanism.linkage
     regimes = _own_regimes(options, [linkage])
@@ -127,7 +127,7 @@ def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
 
 
 def _default_case(options: Asked, mechanism: Mechanism) -> Case:
-    """Constant speed over a full turn, or over the range of a driver that makes none, short of its limits."""
+    """The case at constant speed over a turn or, if the driver makes none, over its range, short of the limits."""
     if mechanism.linkage.is_linear:
         ((motion,), _) = _prescribed_motions(options, [mechanism.linkage])
         return Case(mechanism, motion)
@@ -210,7 +210,7 @@ def _check_number(option: str, value: float, unit: str, least: float) -> None:
 
 
 def _motions(options: Asked) -> tuple[CrankMotion, ...]:
-    """The requested prescribed crank motions, without regimes of the linkages."""
+    """The requested prescribed motions, without regimes that the linkages define."""
     known = offered_regimes(options)
     usual = SWINGING if options.swings else TURNING
     names = known if EVERYTHING in options.regime else options.regime or (usual,)
@@ -270,7 +270,7 @@ def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
 
 
 def _own_regimes(options: Asked, linkages: Sequence[Linkage]) -> tuple[str, ...]:
-    """Requested regimes that the linkages define for themselves; ``own`` and ``all`` request all of them."""
+    """Names of the requested regimes that linkages define themselves; "own" and "all" request all of them."""
     regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
     known = [*offered_regimes(options), *regimes, OWN, EVERYTHING]
     for name in options.regime:

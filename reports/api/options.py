@@ -48,7 +48,7 @@ Announce = Callable[[str, int, int], None]  # the label of a run, its number, th
 
 
 def silent(_label: str, _number: int, _count: int) -> None:
-    """Announce nothing."""
+    """Ignore an announcement."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class DeclaredOption(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The option as it is typed, without the dashes."""
+        """The option as typed, without the dashes in front."""
         flags = self.info.flags if isinstance(self.info, Option) else ()
         return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
 
@@ -150,7 +150,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PLR0911 - of any option, a type each
-    """The value of an option; raises LinkproofError for a value of another type."""
+    """The value of an option in its one form; raises LinkproofError for a value of another type."""
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
     several = member_type(option.kind)
     if option.kind is Any:
@@ -216,7 +216,7 @@ def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
 
 
 def command_line(function: Callable[..., Any], given: Mapping[str, Any], without: Sequence[str] = ()) -> str:
-    """The command that repeats a call: its arguments, its options with their values, its flags.
+    """The command that repeats a call, as text: arguments, options with values, flags.
 
     ``given`` are the arguments of the function by name; groups and options ``without`` are left out.
     """
@@ -228,7 +228,7 @@ def command_line(function: Callable[..., Any], given: Mapping[str, Any], without
 
 
 def _option_words(changed: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Options as typed: those with values, then the flags."""
+    """Changed options as words of a command: those with values first, then the flags."""
     valued = [word for name, values in changed.items() for value in values for word in (f"--{name}", value)]
     return [*valued, *(f"--{name}" for name, values in changed.items() if not values)]
 
@@ -245,7 +245,7 @@ def _options_with_values(
 
 
 def _is_changed(option: DeclaredOption, value: Any) -> bool:  # noqa: ANN401 - of any option
-    """Whether an option affects the results and differs from its default."""
+    """Whether an option's value differs from its default, and affects the results."""
     return isinstance(option.info, Option) and option.info.affects_results and value != option.field.default
 
 
@@ -303,7 +303,7 @@ def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
 
 
 def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
-    """A value as it is typed: every digit of a number, a whole one without a point."""
+    """A value as a user types it: all digits of a number, no point behind a whole one."""
     return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)
 
 
@@ -464,7 +464,7 @@ class SteadyMotion(Checked):
 
     @property
     def motion(self) -> Motion:
-        """The same among all motions."""
+        """The same motion as a ``Motion``."""
         return Motion(**vars(self))
 
 

@@ -89,7 +89,7 @@ class EngineRecords:
 
     @cached_property
     def judged(self) -> tuple[Error, ...]:
-        """The records that count for or against the engine."""
+        """The records with a verdict, passed or failed."""
         return tuple(record for record in self.records if Verdict(record.outcome).judged)
 
     @property
@@ -134,7 +134,7 @@ class EngineRanking:
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
     def is_idle(self, setting: str) -> bool:
-        """Whether a setting decides nothing: the naive one beside others."""
+        """Whether a setting decides nothing, as naive does beside other settings."""
         return setting == Setting.NAIVE.value and setting in self.settings[1:]
 
     @cached_property
@@ -205,7 +205,7 @@ class EngineRanking:
 
 
 def ratio(record: Error) -> str:
-    """An error over its limit for a reader."""
+    """An error divided by its limit as text."""
     value = share(record)
     return "< 0.001" if value < 1e-3 else figure(value, 2)
 
@@ -228,7 +228,7 @@ def verdict(trust: EngineRanking) -> tuple[str, ...]:
 
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
-    """The engines that may be trusted for all families, for some, and for none."""
+    """Sentences on the engines to trust in all families, in some, and in none."""
     judged = {name: [f for f in trust.families if trust.cell(name, setting, f).judged] for name in engines}
     wrong = {name: [f for f in judged[name] if trust.cell(name, setting, f).failed] for name in engines}
     right = [name for name in engines if judged[name] and not wrong[name]]
@@ -261,7 +261,7 @@ def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
 
 
 def _share_of_peak(error: float) -> str:
-    """An error over the peak in per cent: 0.2 %, 16 %, 390 %; of one that is many peaks its order."""
+    """An error over the peak as text in per cent; for many peaks only the order of magnitude."""
     if error < MOST_PERCENT:
         return f"{float(f'{100.0 * error:.2g}'):g} %"
     return f"{numbers.printed(float(f'{error:.2g}'))} peaks"
@@ -283,7 +283,7 @@ def _engines_by_families(families: Mapping[str, Sequence[str]]) -> list[tuple[Na
 
 
 def listed(words: Iterable[str]) -> str:
-    """Words one after the other: "a, b and c"."""
+    """Words joined for a sentence: "a, b and c"."""
     *first, last = [*words] or [""]
     return f"{', '.join(first)} and {last}" if first else last
 
@@ -295,7 +295,7 @@ FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke
 
 
 def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
-    """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
+    """The card of a mechanism with a link to its page; without a campaign it says nothing on engines."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _worst_engine(sheet, trust) if trust is not None else ""
@@ -372,7 +372,7 @@ def _page_heading(results: CampaignResults | None) -> str:
 def _verdict(
     results: CampaignResults | None, trust: EngineRanking | None, cost: tuple[Paragraph, ...]
 ) -> Iterator[Part]:
-    """The verdict on the engines with its picture, or the judgement of another tool's results."""
+    """The parts on the verdict: of the engines, with its picture, or of another tool's results."""
     judgement = results.document.get("judgement") if results is not None else None
     first, *others = judgement or (verdict(trust) if trust else ()) or ("",)
     if first:
@@ -384,7 +384,7 @@ def _verdict(
 
 
 def _engines_section(results: CampaignResults, trust: EngineRanking) -> tuple[Section, ...]:
-    """The engines' results, or every signal of another tool's results."""
+    """The section of the engines' results, or of all signals of another tool's results."""
     if "judgement" in results.document:
         signals = [
             part for view in views(results) for regime in view.regimes for part in errors_section(view, regime).parts
@@ -437,7 +437,7 @@ def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
 
 
 def leads_to(trust: EngineRanking, record: Error | None) -> str:
-    """The address of the curve of an error on its mechanism's page; empty for a check, which has none."""
+    """The address of an error's curve on the page of its mechanism; "" for a check, which has no curve."""
     if record is None or record.quantity in trust.checks:
         return ""
     linkages = {(linkage.name, linkage.variant): linkage for linkage in trust.results.linkages}

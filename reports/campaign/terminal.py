@@ -36,7 +36,7 @@ def printout(
     changes: Sequence[Change] = (),
     environment: Mapping[str, str] = MappingProxyType({}),
 ) -> Printout:
-    """One table per mechanism and regime, quantities down, engines and settings across; then what has changed.
+    """The printed comparison: one table per mechanism and regime, quantities down, runs across; then the changes.
 
     ``runs`` are gone through again for each part of it. ``environment`` says how many ran at a time.
     """
@@ -73,7 +73,7 @@ def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
 
 
 def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
-    """The runs of each mechanism and regime, those of the reference's control last."""
+    """The runs of each mechanism and regime, as a list with those of the control last."""
     for _, part in groupby((run for run in runs if run.errors), key=lambda run: run.run[:3]):
         yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
 
@@ -105,7 +105,7 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
 
 
 def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
-    """The values that adapters compute themselves, a line for each run with such values."""
+    """Lines on the values that adapters compute themselves, one for each run with such values."""
     names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
 
@@ -117,7 +117,7 @@ def _worst(records: Iterable[Error], row: str) -> Error | None:
 
 
 def _limits_text(records: Sequence[Error | None]) -> str:
-    """The different limits of records, largest first: "1e-04, 1e-05"."""
+    """The different limits of records as text, the largest first: "1e-04, 1e-05"."""
     limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
     return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 

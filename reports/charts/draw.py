@@ -60,7 +60,10 @@ _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 
 def drawn(width: float, height: float, draw: Callable[[Figure], object], *, placed: bool = True) -> Figure:
-    """A figure of so many inches, drawn in the house style; its parts are ``placed`` so that they do not touch."""
+    """A figure of this width and height, in, that ``draw`` fills, in the house style.
+
+    Its parts are arranged so that they do not touch, unless ``placed`` is False.
+    """
     with matplotlib.rc_context(fname=STYLE):
         figure = Figure(figsize=(width, height), layout="constrained" if placed else None)
         draw(figure)
@@ -76,7 +79,7 @@ def inches(host: Host) -> Array:
 
 
 def wrap(text: str, room: float) -> str:
-    """A text in lines of about so many inches."""
+    """A text broken into lines of about ``room`` inches."""
     return textwrap.fill(text, max(int(LETTERS * room), 8))
 
 
@@ -86,7 +89,7 @@ def head_lines(lines: Sequence[str], width: float) -> list[str]:
 
 
 def head(host: Host, lines: Sequence[str], key: Sequence[Artist] = ()) -> Host:
-    """Write lines and a key of labelled artists on top of a part of a figure; returns the part below them."""
+    """Write lines, and a key of labelled artists, at the top of a figure; returns the part below them."""
     wide = inches(host)[0]
     if lines:
         host.suptitle("\n".join(head_lines(lines, wide)), x=0.01, ha="left", fontsize="medium")
@@ -131,7 +134,7 @@ def is_wide(figure: Figure) -> bool:
 
 
 def svg(figure: Figure, page: str = "none") -> str:
-    """The figure as an SVG file, the same for the same figure; a dark scheme of the reader's turns its colours.
+    """The figure as SVG text, always the same for the same figure; a dark scheme changes its colours.
 
     ``page`` is the colour behind it.
     """
@@ -151,7 +154,7 @@ def picture(figure: Figure, kind: str) -> str | bytes:
 
 
 def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
-    """A figure as a file of a kind, without the metadata ``left_out``, which change from one time to the next."""
+    """The bytes of a figure's file, without the metadata ``left_out``, so that equal figures give equal files."""
     buffer = io.BytesIO()
     with matplotlib.rc_context(fname=STYLE):
         figure.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out), **more)

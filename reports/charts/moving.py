@@ -76,7 +76,7 @@ def moving_scheme(linkage: Linkage, positions: Positions, key: str, *, is_small:
 
 
 def _rules(key: str, name: str, ends: Array, at: int, frames: int) -> str:
-    """The motion of what lies between two ends, (2, 2, n), of which the first is its origin, from position ``at``."""
+    """CSS that moves an element with two ends (2, 2, n), the first its origin, beginning at position ``at``."""
     last = ends.shape[2] - 1
     origin, span = ends[0], np.array([1.0, 1.0j]) @ (ends[1] - ends[0])
     stretch, along, before = np.abs(span / span[at]), span / np.abs(span), span[at] / abs(span[at])
@@ -91,7 +91,7 @@ def _rules(key: str, name: str, ends: Array, at: int, frames: int) -> str:
 
 
 def _shape(names: tuple[str, str, str], movers: set[str]) -> str:
-    """An element as matplotlib writes it, in the colours of the page, moving where its name is a mover's."""
+    """An SVG element of matplotlib's, recoloured for the page, and marked as moving if it belongs to a mover."""
     name, before, after = names
     inked = re.sub("#[0-9a-f]{6}", lambda ink: f"var(--{COLOURS[ink[0]]})", f"{before}{after}")
     moves = f'class="{name}" ' if name in movers else ""

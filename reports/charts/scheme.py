@@ -70,18 +70,18 @@ class KinematicScheme:
 
     @property
     def joined(self) -> set[str]:
-        """The points where links are joined."""
+        """Names of the points where links are joined."""
         of = self.linkage
         return {p.point for p in of.pins} | {s.point for s in of.sliders} | {s.point for s in of.slots}
 
     @cached_property
     def paths(self) -> dict[str, Array]:
-        """Every named point over all positions, (2, n)."""
+        """Every named point over all positions, (2, n), m."""
         return {p: self.path(b, [self.linkage.local(p, b)])[0] for p, b in sorted(self.carriers.items())}
 
     @cached_property
     def spots(self) -> dict[str, Array]:
-        """Every named point in the position drawn out."""
+        """Every named point in the position drawn out, (2,), m."""
         return {point: self.at(path) for point, path in self.paths.items()}
 
     @cached_property
@@ -101,7 +101,7 @@ class KinematicScheme:
 
     @property
     def runs(self) -> list[tuple[Guide, str, str]]:
-        """The guides of sliders and slots, each with the body and its point that move along it."""
+        """The guides of sliders and slots, each with the body, and its point, that moves along it."""
         sliders = [(s.guide, s.link, s.point) for s in self.linkage.sliders]
         return sliders + [(s.guide, self.positions.carriers[s.point], s.point) for s in self.linkage.slots]
 
@@ -118,7 +118,7 @@ class KinematicScheme:
 
     @cached_property
     def stretches(self) -> dict[str, Array]:
-        """Springs, dampers and cylinders by name: the places of their two ends over all positions, (2, 2, n)."""
+        """Both ends of every spring, damper and cylinder, by its name, over all positions, (2, 2, n), m."""
         between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
         both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
         return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])
@@ -160,7 +160,7 @@ def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
 
 
 def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
-    """A figure of the plane between two corners; ``draw`` is given the axes, the scheme and a pin's radius.
+    """A figure of the plane between two corners; ``draw`` gets the axes, the scheme and a pin's radius.
 
     It is ``wide``, in, and half as high again at most; else as wide as it needs to be.
     """
@@ -320,7 +320,7 @@ def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
 
 
 def _towards_links(name: str, scheme: KinematicScheme) -> Array:
-    """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
+    """The sum of unit vectors from a point to its neighbours on the same links, (2,)."""
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
     return np.round(sum(map(symbols.unit, spans), np.zeros(2)), 6)

@@ -97,7 +97,7 @@ def _completions(names: Iterable[str], incomplete: str) -> list[str]:
 
 
 def _linkages() -> Iterator[Linkage]:
-    """The linkages among the words typed so far, as far as they can be read."""
+    """The linkages among the typed words; those that cannot be read are left out."""
     from analytic.description.loading import load
 
     known = _files_by_name()
@@ -113,7 +113,7 @@ def _typed_words() -> list[str]:
 
 
 def _linkage_tables() -> list[dict[str, Any]]:
-    """The linkage files among the words typed so far, as far as they can be read."""
+    """The linkage files among the typed words as nested tables; those that cannot be read are left out."""
     tables, known = [], _files_by_name()
     for word in _typed_words():
         with contextlib.suppress(LinkproofError, ValueError, RecursionError):

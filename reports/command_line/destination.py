@@ -24,7 +24,7 @@ class Destination(OutputOptions):
     """Options of output, with the methods that write and print accordingly."""
 
     def prepare(self, study: str, read: Mapping[str, Path], form: ResultsFiles | None) -> None:
-        """Raise LinkproofError before the work for what cannot be written; ``study`` is the place of its class.
+        """Raise LinkproofError, before the work, for files that cannot be written; ``study`` is module:class.
 
         ``read`` are the files that are read, by what they are.
         """
@@ -81,14 +81,14 @@ class Destination(OutputOptions):
         return code
 
     def print_out(self, printout: Printout) -> None:
-        """Print tables, details if they are asked for, and the closing lines, each as it comes: there may be many."""
+        """Print tables, details if asked for, and closing lines, each as soon as it is made."""
         parts: Iterable[Printed] = chain(printout.tables, printout.details if self.verbose else ())
         for part in parts:
             show(part)
         show(*printout.closing)
 
     def tell(self, text: str) -> None:
-        """Print a remark on stderr, unless it is empty or the run quiet."""
+        """Print a remark on stderr, unless it is empty or the run is quiet."""
         if text and not self.quiet:
             show(text, stderr=True)
 
@@ -102,7 +102,7 @@ def write_to_stdout(text: str) -> None:
 
 @contextmanager
 def progress(*, visible: bool = True) -> Iterator[Announce]:
-    """A function that shows a run by its label, its number and the number of all runs; the bar starts at the first."""
+    """A function that shows each begun run in a progress bar on a terminal, and else does nothing."""
     if not (visible and sys.stderr.isatty()):
         yield lambda *_: None
         return

@@ -140,13 +140,13 @@ def _read(options: Iterable[DeclaredOption], given: Mapping[str, Any]) -> dict[s
 
 
 def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
-    """A dataclass of options from the values that click passes, by name."""
+    """A dataclass of options, filled with the values that click passes, by name."""
     options = {option.field.name: option for option in declared_options(kind)}
     return kind(**{name: _value(option, given[name]) for name, option in options.items() if name in given})
 
 
 def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
-    """The option or argument of click; ``text`` replaces its help."""
+    """The option or argument as click's; ``text`` replaces its help if it is not empty."""
     name, info, kind, default = option.field.name, option.info, option.kind, option.field.default
     several, types = member_type(kind), (kind, *get_args(kind))
     value: Any = float if float in types else int if int in types else str

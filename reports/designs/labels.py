@@ -45,7 +45,7 @@ class Label(NamedTuple):
 
 
 def label(name: str) -> Label:
-    """The place of a signal in a dataset, from its name."""
+    """The variable, dimensions and place in a dataset that belong to a signal's name."""
     kind, _, rest = name.partition(":")
     if kind == GROUP:
         return Label(kind, DIMENSIONS[kind], rest)
@@ -93,7 +93,7 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
 def evaluated(
     mechanism: Mechanism, angle: Array, names: Sequence[str] | None, moves: Mapping[str, Any]
 ) -> xarray.Dataset:
-    """Quantities over crank angles, all available ones if none are named; ``moves`` has speed and acceleration."""
+    """A dataset of quantities over crank angles (n,), rad; by default all that ``moves`` allows."""
     variables = _signals_by_variable(mechanism)
     chosen = _requested_variables(mechanism, names, variables, moves=moves["speed"] is not None)
     every = [name for variable in chosen for name in variables[variable]]
@@ -101,7 +101,7 @@ def evaluated(
 
 
 def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
-    """Every variable that can be requested, with its signals."""
+    """Names of the signals of every variable that can be requested, by variable."""
     known: dict[str, list[str]] = {}
     for name in signals.table(mechanism):
         if name not in signals.DRIVE:

@@ -64,7 +64,7 @@ def new(name: str, like: LinkageFile | None = None) -> New:
 
 
 def _copy(like: LinkageFile, title: str) -> str:
-    """The text of a linkage's file, comments included, under a title of its own and with the schema's line."""
+    """The text of a copy of a linkage's file, comments included, with a title of its own and the schema's line."""
     import tomlkit  # noqa: PLC0415 - no other command of this file needs it
 
     like.linkage()  # a file with a fault is no start for another
@@ -93,7 +93,7 @@ class New(Study):
 
 
 def _is_ours(path: Path) -> bool:
-    """Whether a schema file can be written: it does not exist, or is ours, perhaps of an older version."""
+    """Whether the schema file may be written: there is none, or one that linkproof wrote."""
     try:
         return not os.path.lexists(path) or bool(json.loads(read_file(path, "a schema")).get("title") == TITLE)
     except (LinkproofError, ValueError, AttributeError, RecursionError):
@@ -101,7 +101,7 @@ def _is_ours(path: Path) -> bool:
 
 
 def review(linkage: Linkage, word: str, *, strict: bool) -> Check:
-    """The facts of a linkage up to its first fault; with ``strict`` a likely mistake is one."""
+    """The facts on a linkage up to its first fault; with ``strict``, a likely mistake counts as a fault."""
     facts, fault = linkage_check.check(linkage)
     if strict and fault is None:
         try:
@@ -193,7 +193,7 @@ def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> 
 
 
 def _lines(macro: str, width: int, **values: object) -> list[Printed]:
-    """The lines of a macro of ``sentences.txt``, each with a name of so many characters before its first colon."""
+    """The lines of a macro of ``sentences.txt``, their names padded to ``width`` before the first colon."""
     return [f"{name:<{width}} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
 
 

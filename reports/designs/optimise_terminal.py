@@ -97,7 +97,7 @@ def _aim_value(optimum: Optimum, values: NDArray[np.float64]) -> float:
 
 
 def aim_word(optimum: Optimum) -> str:
-    """The participle for the aim: minimised or maximised."""
+    """The participle for the aim: "minimised" or "maximised"."""
     return "minimised" if optimum.problem.sign > 0.0 else "maximised"
 
 

@@ -39,7 +39,10 @@ MOST_CURVES: Final = 10
 
 
 def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
-    """The drawing, or one figure of it by name for a paper's column; the sheet is that of a page."""
+    """The whole drawing of a sheet or, by ``name``, one figure of it for a paper's column.
+
+    The sheet is one that ``page_sheet`` made.
+    """
     return _everything(sheet) if name is None else _column_figure(sheet, name)
 
 
@@ -94,7 +97,7 @@ FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
 
 
 def _column_figure(sheet: Sheet, name: str) -> Figure:
-    """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
+    """The figure of this name; raises LinkproofError for an unknown one or one that the linkage lacks."""
     if name not in FIGURES:
         raise UnknownNameError("figure", name, FIGURES)
     if name in SCHEMES and sheet.positions is not None:

@@ -42,7 +42,7 @@ def printed(sheet: Sheet) -> list[Printed]:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Table]:
-    """Drive, forces, transmission angles, thread and output, each with where its peak is."""
+    """The tables of key figures: drive, forces, transmission angles, thread and output, with their places."""
     yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
@@ -56,7 +56,7 @@ def _key_figures(sheet: Sheet) -> Iterator[Table]:
 
 
 def _at_instants(sheet: Sheet) -> list[Table]:
-    """Crank and output, points, links, joints."""
+    """The tables of all signals at the chosen instants: crank and output, points, links, joints."""
     tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _part_tables(sheet, kind, head)
@@ -97,7 +97,7 @@ def _column_head(sheet: Sheet, name: str, label: str) -> str:
 
 
 def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
-    """The first cells of every row: φ in the file's unit, before it the time, s, unless φ is the axis."""
+    """The first cells of every row: the time, s, unless φ is the axis, and φ in the file's unit."""
     angles = [f"{round(sheet.angle(phi), 9) + 0.0:.6g}" for phi in sheet.table["phi"].tolist()]
     times = [f"{time:.6g}" for time in sheet.table[TIME].tolist()]
     return [(phi,) for phi in angles] if sheet.axis == "phi" else [*zip(times, angles, strict=True)]

@@ -48,7 +48,7 @@ def _number(value: float | None) -> float | None:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
-    """The key figures of the terminal's tables, a row for each number."""
+    """The rows of the key figures, as in the terminal's tables, a row for each number."""
     for figure in (row for rows in sheet.figures.values() for row in rows):
         what = f"{figure.what} on {figure.on}" if figure.on else figure.what
         phi = None if figure.phi is None else sheet.angle(figure.phi)

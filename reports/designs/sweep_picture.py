@@ -46,7 +46,7 @@ class DrawnDesigns:
 
     @property
     def are_lines(self) -> bool:
-        """Whether designs are one beside the other, not on a grid of one or two numbers."""
+        """Whether each design is one of a list, and not a point of a grid of one or two numbers."""
         return ONE_BY_ONE in self.dataset.dims
 
     @property
@@ -93,7 +93,7 @@ class DrawnDesigns:
         return printable(str(self.dataset[name].attrs.get("units", "")))
 
     def label(self, name: str) -> str:
-        """A name with its unit; of values that are cut off in the picture with both ends of all."""
+        """A name with its unit; where the picture cuts values off, with the range of all values."""
         ends = ""
         if name in self.figures and self.span(name):
             values = self.values(name)
@@ -115,7 +115,7 @@ class DrawnDesigns:
 
     @property
     def head(self) -> tuple[str, ...]:
-        """Lines above the picture: whose designs, under which conditions, what is left out."""
+        """The lines above the picture: linkage, conditions, and what is left out."""
         about, left = self.dataset.attrs, len(self.dataset.data_vars) - len(self.figures)
         conditions = about["conditions"].removeprefix(f"{about['mechanism']} ({about['variant']}): ")
         drawn, failing = self.dataset[self.figures[0]].size, max(map(self.failing, self.figures))
@@ -221,7 +221,7 @@ def _plot_curves(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401 - an
 
 
 def _mark(axes: Axes, designs: DrawnDesigns, name: str, x: Array, own: float | None) -> None:
-    """Mark the design whose figure is nearest to its target, and the place of the file's own."""
+    """Mark the design nearest to a figure's target, and the file's own place, in axes."""
     best = designs.best(name)
     if best is not None:
         axes.plot(x[best], designs.values(name)[best], label=designs.target(name)[1], **STAR)

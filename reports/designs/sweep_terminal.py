@@ -25,7 +25,7 @@ SLASH: Final = "∕"  # in a netCDF file instead of "/", which parts its groups
 
 
 def parts(study: SweepStudy) -> list[Printed]:
-    """Conditions, number of designs, a table of the figures."""
+    """The printed parts: conditions, number of designs, a table of the figures."""
     request = study.request
     shown = [parameter.shown.replace(" [", " ").removesuffix("]") for parameter in request.space.parameters]
     rows = [
@@ -38,7 +38,7 @@ def parts(study: SweepStudy) -> list[Printed]:
 
 
 def sentence(study: SweepStudy) -> str:
-    """How many designs there are, how many of them assemble, and between which values."""
+    """A sentence on the number of designs, how many assemble, and their range."""
     space, assembled = study.request.space, int(np.count_nonzero(study.assembles))
     count = grouped(space.count)
     if not space.is_list and len(space.shape) > 1:

@@ -115,7 +115,7 @@ COLUMNS: Final = (
 
 
 def document(study: ToleranceStudy) -> dict[str, Any]:
-    """Everything but the random designs themselves; what is not finite is null."""
+    """The study as JSON-ready data, without the single random designs; None for numbers that are not finite."""
     request = study.request
     return {
         "mechanism": request.case.linkage.name,
@@ -131,7 +131,7 @@ def document(study: ToleranceStudy) -> dict[str, Any]:
 
 
 def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
-    """The JSON of one result, in its unit of the file."""
+    """The data of one result in the file's unit, JSON-ready."""
     unit = study.request.figures[row].unit
     return {
         "units": unit.name,
@@ -226,7 +226,7 @@ def _plot_tornado(axes: Axes, study: ToleranceStudy, row: int, moving: Sequence[
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:
-    """A study as labelled arrays in the units of the linkage's file."""
+    """The study as labelled arrays, in the units of the linkage's file."""
     import xarray  # noqa: PLC0415 - half a second that tables save
 
     request = study.request

@@ -12,7 +12,7 @@ ROUND_OFF = 1e-13
 
 
 def figure(value: float | None, digits: int = 4) -> str:
-    """A value to so many significant digits: 8.339e-5, 0.2704, 31.00."""
+    """A value as text with so many significant digits: 8.339e-5, 0.2704, 31.00."""
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0:
@@ -23,7 +23,7 @@ def figure(value: float | None, digits: int = 4) -> str:
 
 
 def printed(value: float) -> str:
-    """A given figure without digits it does not have: 8.3e-5, 0.16, 24."""
+    """A value as text without digits it does not have: 8.3e-5, 0.16, 24."""
     if value == 0.0:
         return "0"
     if not SMALLEST <= abs(value) < LARGEST:
@@ -67,12 +67,12 @@ def decade(value: float) -> str:
 
 
 def seconds(value: float) -> str:
-    """A time to three significant digits in s or ms."""
+    """A time as text to three significant digits, in s or ms."""
     return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"
 
 
 def grouped(count: int, space: str = " ") -> str:
-    """A count with its thousands apart."""
+    """A count as text with ``space`` between its thousands."""
     return f"{count:,}".replace(",", space)
 
 
@@ -91,7 +91,7 @@ PLAIN = {
 
 
 def accept_any_text() -> None:
-    """Let stdout and stderr show a plain sign where their character set lacks one, rather than fail."""
+    """Make stdout and stderr replace characters that they cannot encode by plain signs, not fail."""
     codecs.register_error("linkproof.plain", _replacement)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

@@ -65,7 +65,7 @@ class Study:
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Likely mistakes in the files, and what a reader of the values has to know."""
+        """Sentences on likely mistakes in the files, and on what a reader of the values has to know."""
         return ()
 
     @property
@@ -88,7 +88,7 @@ class Study:
         raise AssertionError("\n".join(self.failures()))
 
     def plot(self, *_: Any, **__: Any) -> Figure:  # noqa: ANN401 - of each study its own
-        """A figure of matplotlib."""
+        """A figure of matplotlib; its arguments differ from study to study."""
         raise LinkproofError(f"a {type(self).__name__} has no picture: print it")
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
@@ -118,7 +118,7 @@ class Study:
         return paths
 
     def write(self, folder: str | Path) -> Path:
-        """Write records and pages into a folder; the page to open."""
+        """Write records and pages into a folder; returns the path of the page to open."""
         raise LinkproofError(f"a {type(self).__name__} has no pages: save a file, not '{folder}'")
 
     def hint(self, _saved: Sequence[Path]) -> str:
@@ -142,7 +142,7 @@ class Study:
 def check_saves(
     files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING, made: Path | None = None
 ) -> None:
-    """Raise LinkproofError for a file of ``--save`` that cannot be written, since its folder is missing, for example.
+    """Raise LinkproofError for a file of ``--save`` that cannot be written, as where its folder is missing.
 
     ``read`` has the files to read, by what they are; ``made`` is a folder that will be there.
     """

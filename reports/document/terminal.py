@@ -31,7 +31,7 @@ class Printout(NamedTuple):
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:
-    """Print parts below each other; nothing where there are none."""
+    """Print parts one below the other on stdout or stderr; print nothing without parts."""
     if not parts:
         return
     screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)

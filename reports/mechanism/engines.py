@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 def engines_section(view: View) -> Section:
-    """The half of a mechanism's page that shows what was simulated, or the curves of another tool's file."""
+    """The section of a mechanism's page on its simulations, or on the curves of another tool's file."""
     judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
     parts: list[Part] = [
         PageFigure(anchor("judged", c.name), c.caption, c.caption, partial(judged_figure, [c])) for c in judged
@@ -159,7 +159,7 @@ def _runs_table(view: View, regime: Regime) -> Table:
 
 
 def settings_words(details: Mapping[str, Any]) -> str:
-    """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
+    """The settings of an engine as its adapter states them, in words: "step 1e-4, scheme …"."""
     table = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
     return ", ".join(f"{plain(name)} {value}" for name, value in table.items())
 
@@ -299,7 +299,7 @@ def chart_data(view: View) -> dict[str, Any]:
 
 
 def curves(view: View) -> dict[str, dict[str, Any]]:
-    """The curves of each quantity under each regime that any run gave one of, by regime and quantity as in its data."""
+    """The curves that any run gave, by regime and quantity, JSON-ready."""
     return {
         f"{number}-{place}": _curves(traces)
         for number, regime in enumerate(view.regimes)

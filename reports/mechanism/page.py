@@ -43,7 +43,7 @@ from reports.records import View, anchor, views
 
 
 def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> Section:
-    """The contour in the plane, and what the thread feeds, beside what is required of it."""
+    """The section on the thread: its contour in the plane, its feed, and the required feed."""
     angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
     caption = f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
     drawing = partial(thread_figure, sheet.linkage, positions, thread)
@@ -66,7 +66,7 @@ def _plot_feed(sheet: Sheet, figure: Figure) -> None:
 
 
 def released_section(sheet: Sheet) -> Section:
-    """Where a released crank rests, how it settles and its speed, regime by regime of the linkage's own."""
+    """The section on released regimes: where the crank rests, how it settles, and its speed."""
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
         figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
@@ -113,7 +113,7 @@ FOLDER = "mechanisms"
 
 
 def file_of(linkage: Sheet | Linkage) -> str:
-    """Where the page is within a report's folder; signs that would need quoting in an address are dashes."""
+    """The page's path within a report's folder; signs that an address would quote become dashes."""
     name, variant = (re.sub(r"[^\w+-]+", "-", word) for word in (linkage.name, linkage.variant))
     return f"{FOLDER}/{name}.{variant}.html"
 
@@ -135,7 +135,7 @@ def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
 
 
 def _verdict(results: CampaignResults | None) -> tuple[Part, ...]:
-    """The verdict on a judged file and its causes."""
+    """The parts with the verdict on a judged file and its causes; none without one."""
     words = results.document.get("judgement", []) if results else []
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 
@@ -154,7 +154,7 @@ def _errors(sheet: Sheet, results: CampaignResults | None) -> Iterator[Part]:
 
 
 def _first_look(sheet: Sheet) -> Iterator[Part]:
-    """The linkage in motion beside its key figures; where it can be computed anew, to pull at."""
+    """The parts at the top: the linkage in motion, to pull at where it can be computed, and key figures."""
     if sheet.positions is None:
         yield Cards((Card("The mechanism", (*designer.sentences(sheet, "values"), designer.facts(sheet))),), wide=True)
         return

@@ -20,7 +20,7 @@ ROUNDING, DIGITS = 1e-13, 13
 
 
 def published_section(rows: Sequence[Row]) -> Section:
-    """All of one mechanism, how many every variant meets, and what there is to note."""
+    """The section on a mechanism's printed figures, with how many each variant meets, and notes."""
     met = "; ".join(_met_words(rows, variant) for variant in _variants(rows))
     caption = f"Every printed figure beside ours. Reproduced: {met}."
     table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.", style="published")
@@ -76,7 +76,7 @@ def _printed(row: Row) -> str:
 
 
 def _as_printed(row: Row) -> str:
-    """The printed value with the zeros at its end, which tell how sharp it is."""
+    """The printed value as text, with the zeros at its end, which tell its accuracy."""
     value, digit = row["published"], 2.0 * row["half_digit"]
     if value and digit:
         digits = math.floor(math.log10(abs(value))) - round(math.log10(digit)) + 1

@@ -33,7 +33,7 @@ AT_OPEN_END: Final = "*"  # behind an extreme at an end of the motion beside a d
 
 
 def _angle(value: float, unit: FileUnit) -> str:
-    """Degrees to two decimals, radians and lengths to five digits."""
+    """An angle or length as text: degrees with two decimals, anything else with five digits."""
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
@@ -62,7 +62,7 @@ def _with_minus_sign(text: str) -> str:
 
 
 def jeq(sheet: Sheet, end: str) -> str:
-    """The mean, least or largest inertia reduced to the crank of a whole turn, with its unit."""
+    """The mean, least or largest Jeq of a whole turn as text with its unit."""
     return words(sheet, SignalFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
 
@@ -99,7 +99,7 @@ def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
 
 
 def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
-    """Place of a key figure: the time, s, unless φ is the axis, and φ in the file's unit."""
+    """The cells of a key figure's place: the time, s, unless φ is the axis, then φ in the file's unit."""
     if signal_figure.phi is None or (sheet.axis == TIME and signal_figure.time is None):
         return (ABSENT,) * len(places(sheet))
     phi = _angle(sheet.angle(signal_figure.phi), sheet.unit("phi"))
@@ -119,7 +119,7 @@ def required_table(sheet: Sheet) -> Table:
 
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
-    """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
+    """Rows of name, value with unit, and place: drive, output, largest forces, worst transmission angle."""
     drive = [
         row
         for row in sheet.figures["drive"]

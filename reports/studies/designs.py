@@ -46,7 +46,7 @@ class Sweep(Study):
         return [*self.study.request.warnings, *warnings(self.study.request.case.linkage)]
 
     def printout(self) -> Printout:
-        """Conditions, number of designs, a table of the figures."""
+        """The printed sweep: conditions, number of designs, a table of the figures."""
         return Printout(sweep_terminal.parts(self.study), ())
 
     def check_content(self) -> None:
@@ -63,7 +63,7 @@ class Sweep(Study):
         return [sweep_terminal.sentence(self.study)]
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The summary; what is not finite is null."""
+        """The summary, JSON-ready; None for a number that is not finite."""
         return sweep_terminal.document(self.study)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
@@ -71,7 +71,7 @@ class Sweep(Study):
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """Curves over one number, maps over two, dots over each number of more."""
+        """A figure: curves over one number, maps over two, dots over each of more."""
         from reports.designs.sweep_picture import sweep_figure  # noqa: PLC0415 - a second that other calls save
 
         study = self.study
@@ -93,7 +93,7 @@ class LazySweep:
     dataset: xarray.Dataset
 
     def __repr__(self) -> str:
-        """A line."""
+        """One line with the kind of study and the size."""
         return f"<LazySweep: {dict(self.dataset.sizes)}>"
 
 
@@ -115,7 +115,7 @@ class Optimisation(Study):
 
     @property
     def toml(self) -> str:
-        """The file of the new design."""
+        """The text of the linkage file of the new design."""
         return design_file(self.best.problem.case.mechanism, self.best.written)
 
     @cached_property
@@ -191,7 +191,7 @@ class Tolerance(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Results at open ends, and probable slips of the file."""
+        """Warnings about results at open ends and about probable slips of the file."""
         request = self.study.request
         return [*filter(None, [request.at_open_end.sentence]), *warnings(request.case.linkage)]
 
@@ -208,7 +208,7 @@ class Tolerance(Study):
         return tolerance_terminal.dataset(self.study)
 
     def printout(self) -> Printout:
-        """A table per result, rows by contribution, the worst case and the random designs."""
+        """The printed study: a table per result, the largest contribution first; worst case, random designs."""
         return tolerance_terminal.printout(self.study)
 
     def sentence(self) -> Printed:

@@ -79,7 +79,7 @@ class EngineFindings(Study):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """1 if a check failed."""
+        """The exit code: 1 if a check failed, else 0."""
         return 1 if any(each.finding is Finding.FAILED for each in self.checks) else 0
 
     def printout(self) -> Printout:
@@ -100,7 +100,7 @@ class EngineFindings(Study):
 
 
 def tried_engines() -> Listing:
-    """Every engine and the compiler, tried, and what a bug report needs."""
+    """A trial of every engine and of the compiler, with the facts that a bug report needs."""
     facts, tried, packages = environment(), engine_trials(), optional_packages()
     compiler, where = machine_code_trial(), places()
     trials = [*tried, compiler]

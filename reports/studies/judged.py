@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def failed_rows(records: Iterable[Error]) -> list[str]:
-    """A line for each record, with its outcome and the reason: what ``check`` of a result raises."""
+    """A line for each of these records with its outcome and reason, for the error that ``check`` raises."""
     return [
         f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
         f"{record.outcome}, {record.detail}"
@@ -64,7 +64,7 @@ class Judgement(Study, ImportedJudgement):
         return list(warnings(self.model.linkage))
 
     def printout(self) -> Printout:
-        """The verdict, the probable causes, a row for every signal."""
+        """The printed judgement: verdict, probable causes, a row for every signal."""
         return imported.printout(self, self._title)
 
     def brief(self) -> Sequence[Printed]:

@@ -62,7 +62,7 @@ class Results(Study):
         return labelled(self.sheet.linkage, self.sheet.axis, self.sheet.table, about)
 
     def __getitem__(self, name: str) -> xarray.DataArray:
-        """A variable of the dataset by its symbol, or by its word: ``torque`` is ``Mkr``; raises UnknownNameError."""
+        """A variable of the dataset by symbol or word (``torque`` for ``Mkr``); raises UnknownNameError."""
         known = self.dataset.variables
         if symbol(name) not in known:
             raise UnknownNameError("signal", name, map(str, known))
@@ -86,11 +86,11 @@ class Results(Study):
         return results_terminal.document(self._whole_sheet)
 
     def json(self) -> str:
-        """One line, since lists of values are long."""
+        """The JSON text in one line, since its lists are long."""
         return results_terminal.json_text(self._whole_sheet)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A column for every signal, by name and unit of the file, a row for every instant."""
+        """A DataFrame with a column per signal, by name and unit of the file, and a row per instant."""
         import pandas as pd  # noqa: PLC0415
 
         return pd.DataFrame(results_terminal.columns(self.sheet))
@@ -118,7 +118,7 @@ class Results(Study):
         return super().content(suffix, figure=figure) if suffix in PICTURES else self.json()
 
     def write(self, folder: str | Path) -> Path:
-        """Save the case among those of a report's folder, and write the report's pages; the linkage's page."""
+        """Save the case among those of a report's folder and write its pages; returns the linkage's page."""
         from comparisons.trials.campaign.saved_linkages import save_case  # noqa: PLC0415 - figures cost a second
         from comparisons.trials.runs.files import claim  # noqa: PLC0415
         from reports.mechanism.page import file_of  # noqa: PLC0415

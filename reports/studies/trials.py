@@ -86,7 +86,7 @@ class Comparison(Trials):
         return cls(campaign.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
-        """Write the comparison into a folder, in the place of another there."""
+        """Write the comparison into a folder, replacing another one there."""
         campaign.save(folder, self.results.document, self.results.runs)
 
     def with_files(self, record: str | Path | None, junit: str | Path | None) -> Comparison:
@@ -111,7 +111,7 @@ class Comparison(Trials):
 
     @property
     def command(self) -> str:
-        """The command that repeats it."""
+        """The command that repeats the comparison."""
         return str(self.results.document["command"])
 
     @property
@@ -132,12 +132,12 @@ class Comparison(Trials):
         return errors_figure(view, _value_by_name("regime", regime, motions))
 
     def printout(self) -> Printout:
-        """One table per mechanism and regime, then what has changed."""
+        """The printed comparison: one table per mechanism and regime, then what has changed."""
         results = self.results
         return printout(results.runs, results.changes, results.document["environment"])
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The document with all records; errors are shares of the peak."""
+        """The document with all records, JSON-ready; errors are shares of the peak."""
         return with_runs(self.results.document, self.results.runs)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
@@ -150,7 +150,7 @@ class Comparison(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """1 where a record fails, naive ones only without other settings, or a change does."""
+        """The exit code: 1 if a deciding record or a change fails, else 0; naive ones decide only if alone."""
         return campaign_exit_code(self.records, self.changes)
 
     def failures(self) -> Sequence[str]:
@@ -218,7 +218,7 @@ def check_files(record: str | Path | None, junit: str | Path | None) -> None:
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
-    """The value of a name, or the first value if ``name`` is None; raises UnknownNameError."""
+    """The value of a name, or the first one for None; raises UnknownNameError. ``what`` says what it names."""
     if name is not None and name not in known:
         raise UnknownNameError(what, name, known)
     return known[name] if name is not None else next(iter(known.values()))
@@ -246,16 +246,16 @@ class Benchmark(Trials):
         work_precision.save(folder, self.bench)
 
     def printout(self) -> Printout:
-        """The fronts of each quantity, and what is cheapest."""
+        """The printed benchmark: the fronts of each quantity, and the cheapest ways to an error."""
         named = tuple(self.bench.document["quantities"])
         return bench_words.printout(self.bench, () if named == QUANTITIES else named)
 
     def sentence(self) -> Printed:
-        """How much was measured."""
+        """A sentence on how much was measured."""
         return f"{len(self.bench.points)} points of {len({point.engine for point in self.bench.points})} engines"
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The document and all points; times in s."""
+        """The document and all points, JSON-ready; times are in s."""
         return self.bench.as_dict
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -264,7 +264,7 @@ class Benchmark(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """1 if an engine finished no point without an excuse; raises LinkproofError if no point could be measured."""
+        """The exit code: 1 if an engine finished no point without an excuse, else 0; may raise LinkproofError."""
         excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
         points = list(self.bench.table.itertuples())
         useful = {point.engine for point in points if point.outcome in excused or point.detail == OUT_OF_TIME}
@@ -294,13 +294,13 @@ class StabilityMaps(Trials):
         stress_test.save(folder, self.stress)
 
     def printout(self) -> Printout:
-        """Counts and borders of the maps; of a cell alone every detail."""
+        """The printed maps: counts and borders; of a single cell every detail."""
         if self.are_cells:
             return Printout([stress_words.cell_details(cell) for cell in self.stress.cells], ())
         return stress_words.printout(self.stress)
 
     def sentence(self) -> Printed:
-        """How many cells came to each verdict."""
+        """A sentence on how many cells came to each verdict."""
         counts = self.stress.count().items()
         return f"{len(self.stress.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
 
@@ -314,7 +314,7 @@ class StabilityMaps(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """1 if the checks missed a wrong motion; raises LinkproofError if no cell is judged."""
+        """The exit code: 1 if the checks missed a wrong motion, else 0; may raise LinkproofError."""
         reasons = {cell.verdict: cell.reason for cell in self.stress.cells}
         is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
         counts = Counter((verdict.value, reason) for verdict, reason in reasons.items())
