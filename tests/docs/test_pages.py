@@ -17,7 +17,7 @@ from tests.sources import PACKAGES
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
-COUNT = re.compile(r"(?<=\| )[\d,]+(?= \| (?:nothing|layers? 1) )")
+COUNT = re.compile(r"(?<=\| )[\d,]+(?= \| (?:nothing|layers? 1)[ ,])")
 FONTS = re.compile(r"url\((https?:[^)]+)\)|@import")
 
 
