@@ -58,7 +58,7 @@ class World:
         return joint, body
 
     def new_body(self, name: str, mass: float, inertia: float | None) -> Any:  # noqa: ANN401
-        """A body in a skeleton of its own; what cannot turn has its angle locked."""
+        """Create a body in a skeleton of its own, kg and kg m²; one without inertia has its angle locked."""
         _, carrier = self.attach(dart.dynamics.Skeleton(name), "TranslationalJoint2D")
         joint, body = self.attach(carrier, "RevoluteJoint", mass, inertia or mass)
         if inertia is None:

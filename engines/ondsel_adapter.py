@@ -185,7 +185,7 @@ def _axes_along(direction: Vector) -> Matrix:
 
 
 def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
-    """The joint of a driven slider, the third axes of whose markers are along its line."""
+    """Add a driven slider, with its markers' third axes along its line; returns the joint's name."""
     (x, y), turn = joint.along, world.angles[joint.host] - world.angles[joint.body]
     c, s = math.cos(turn), math.sin(turn)
     host = world.add_marker(joint.host, joint.through, _axes_along((y, -x)))

@@ -138,7 +138,7 @@ def solve_part(model: AsmtModel, part: Data) -> Rows:
 
 @contextmanager
 def temporary_folder() -> Iterator[None]:
-    """A folder for temporary files of this process and what it starts."""
+    """In the block, temporary files of this process and its children go to a folder that is then deleted."""
     before = os.environ.get("TMPDIR")
     with TemporaryDirectory() as folder:
         os.environ["TMPDIR"] = folder

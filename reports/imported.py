@@ -274,7 +274,7 @@ MOST_ON_PAGE: Final = 6
 
 
 def judged_curves(judgement: ImportedJudgement, most: int = MOST_ON_PAGE) -> list[JudgedCurve]:
-    """Curves of the signals over the limit, the worst first, at most ``most``; of all signals if none is over it."""
+    """At most ``most`` curves of signals over the limit, the worst first; of all signals if none is over it."""
     over = [verdict for verdict in judgement.verdicts if verdict.outcome is not Verdict.PASSED] or judgement.verdicts
     return [_curve(judgement, verdict) for verdict in sorted(over, key=lambda verdict: -verdict.error_max)[:most]]
 

@@ -187,7 +187,7 @@ def _required(reader: Reader, value: float | None, where: str, meaning: str) -> 
 
 
 def _phi_text(reader: Reader, place: float) -> str:
-    """A value of φ, rad or m, for a reader."""
+    """A value of φ, given in rad or m, as text in the file's unit."""
     return f"{place / reader.phi.unit.size:.10g}{reader.phi.mark}"
 
 

@@ -67,7 +67,7 @@ class Segment:
 
 @lru_cache(maxsize=256)
 def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
-    """Coefficients of a polynomial's derivative, highest power first, from those of the polynomial, lowest first.
+    """Coefficients of a polynomial's derivative, the highest power first; those given have the lowest first.
 
     Stepping engines evaluate single instants, for which NumPy's own functions take ten times the time of the
     arithmetic.

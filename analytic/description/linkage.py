@@ -159,7 +159,7 @@ class Slider:
 
     @property
     def name(self) -> str:
-        """Name of the joint."""
+        """Name of the slider's joint."""
         return f"{self.link} on {self.guide.host}"
 
 

@@ -317,7 +317,7 @@ class _Design:
         near = {name: values for name, values in known.items() if is_angle(name)}
 
         def integrands(_: object, phi: Array) -> Array:
-            """Integrands of the means and their derivatives, and reciprocals of the determinants for spikes."""
+            """Integrands of means and of their derivatives; and, for spikes, reciprocals of the determinants."""
             rows: list[Array] = []
             for quantity, (values, slopes) in zip(figures, self.curves(signals, phi, zero_of_s), strict=True):
                 turned = unwrapped_near(values, phi, places, near.get(quantity.signal))
@@ -361,10 +361,11 @@ class _Design:
 def differences(
     function: Callable[[Mapping[str, float]], Array], point: Mapping[str, float], steps: Mapping[str, float]
 ) -> tuple[Array, Array, Array]:
-    """Values of a function of named numbers, derivatives (values, numbers, ...) and their errors, as estimated.
+    """Values of a function of named numbers, derivatives (values, numbers, ...), and estimated errors of these.
 
-    Central differences over a step, a half and a quarter of it, extrapolated; the last two extrapolations differ by the
-    error.
+    Central differences over a step, a half and a quarter of it, extrapolated; the error is the difference of the last
+    two
+    extrapolations.
     """
     slopes, errors = [], []
     for name, value in point.items():

@@ -156,9 +156,11 @@ class ChangePoints:
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
     def patches_at(self, angle: Any, known: Windows) -> Iterator[tuple[Patch, Window]]:  # noqa: ANN401
-        """Each patch that has some of the crank angles, with its window of them; ``known`` has those of the angles.
+        """Each patch that holds some of the crank angles, rad, with its window of them.
 
-        Of angles in extended precision only those nearer to a change point than any node.
+        ``known`` keeps the windows found for these angles. In extended precision only angles nearer to a change point
+        than
+        any node count.
         """
         for patch in self.patches:
             centre = float(patch.touch.angle)

@@ -56,7 +56,7 @@ class Rod:
         self.over = (arm[0] / square, arm[1] / square)
 
     def place(self, host: Pose) -> None:
-        """Hang the side on its host; ``base`` is the pin."""
+        """Hang the side on its host at a pose; sets ``base``, the pin's position, m."""
         self.host, self.base = host, frames.point(host, self.near)
 
     def pose(self, vector: Pair) -> Pose:
@@ -109,7 +109,7 @@ class Rail:
         self.along, self.turn, self.local, self.start = outer.along, outer.turn, local, point_on_rail(outer, local)
 
     def place(self, host: Pose) -> None:
-        """Put the side on its host; ``base`` is the point that counts at zero travel."""
+        """Put the side on its host at a pose; sets ``base``, the position, m, at zero travel."""
         self.host, self.base, self.e = host, frames.point(host, self.start), frames.arm(host, self.along)
 
     def pose(self, point: Pair) -> Pose:
@@ -277,7 +277,7 @@ class _PinDyad(_DyadForm):
         return LEAST_SINE * first.length * second.length
 
     def columns(self, links: Poses) -> tuple[Pair, Pair]:
-        """Directions of d₁ and d₂, of any length, which are parallel in a dead position."""
+        """Directions d₁ and d₂ of the sides at these poses of the links, of any length; parallel in a dead position."""
         first, second = self.sides
         return first.column(links[0]), second.column(links[1])
 
@@ -451,7 +451,7 @@ class _SlideDyad(_DyadForm):
         return frames.pose_through(self.pin, direction, self.far), second
 
     def columns(self, links: Poses) -> tuple[Pair, Pair]:
-        """Directions of d and f, of any length, which are parallel in a dead position."""
+        """Directions d and f of the sides at these poses of the links, of any length; parallel in a dead position."""
         return self.side_column(), frames.arm(links[1], self.joints[1].along)
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:

@@ -375,7 +375,7 @@ def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
 
 
 def _fitted_angle(local: list[Vector], world: list[Vector]) -> float:
-    """The angle of a link whose points lie nearest to given places."""
+    """The angle, rad, of a link whose ``local`` points come nearest to ``world`` places."""
     a, b = np.array(local) - np.mean(local, axis=0), np.array(world) - np.mean(world, axis=0)
     sine = float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
     return math.atan2(sine, float(np.sum(a * b)))

@@ -156,7 +156,7 @@ class Dyad(ClosedGroup):
 
     @property
     def joints(self) -> tuple[Joint, Joint, Joint]:
-        """The three joints in the order of the kind's name."""
+        """The three joints in the order of the letters in the kind's name."""
         return (self.first_joint, self.inner_joint, self.second_joint)
 
 

@@ -266,7 +266,7 @@ class Curves:
 
     @cached_property
     def grid(self) -> Array:
-        """Instants over the whole motion, s, closer to each other near dead positions, and those of corners."""
+        """Instants over the whole motion, s: the even grid, more near dead positions, and the loads' corners."""
         return np.union1d(refine_near_toggles(self.case, self.instants.grid), self.corners)
 
     @cached_property

@@ -191,7 +191,7 @@ class Optimum:
 
     @cached_property
     def at_open_end(self) -> OpenEndFigures:
-        """The figures whose extremes lie at an open end of the motion: of the best design, else of the file's."""
+        """The figures whose extremes lie at an open end, of the best design or, if none there, of the file's."""
         of_best = self.problem.case.redesigned(self.after).open_ends(self.figures)
         return of_best if of_best.names else self.problem.case.open_ends(self.figures)
 

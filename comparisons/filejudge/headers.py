@@ -172,9 +172,9 @@ def _find_unit(name: str) -> Unit | None:
 
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit | None:
-    """The unit that a text names, such as ``a*b/c^2``, None if it names none; "-" is that of a plain number.
+    """The unit that a text names, such as ``a*b/c^2``; None if it names none. "-" is the unit of plain numbers.
 
-    Of two solidi the meaning is open, so there may be one.
+    There may be one solidus only, as two are ambiguous.
     """
     text = text.strip()
     if not text or len(text) > LONGEST_UNIT:
@@ -319,7 +319,7 @@ class HeaderParser:
         raise reasons[0]
 
     def _meaning(self, name: str, unit: Unit | None, printed: str, column: Column) -> Meaning:
-        """The signal that a name with a unit means."""
+        """The meaning of a column name with a unit; raises NotJudgedError with the reason if it is not clear."""
         if name in (TIME, *self.signals):
             if unit and not unit.measures(self.unit(name).dimension):
                 raise NotJudgedError(f"'{printed}' is no unit of {name}")

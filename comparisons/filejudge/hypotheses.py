@@ -114,9 +114,9 @@ def _certain(name: str, kind: FaultKind, values: Values, words: str, *, is_slow:
 
 
 def unit_slips(si: str, header: float | None = None) -> Iterator[tuple[float, str]]:
-    """Factors by which values are too large where one unit is read as another, with words: "grams read as kilograms".
+    """Factors by which values are wrong if one unit is read as another, with words: "grams read as kilograms".
 
-    ``si`` is the SI unit of what is measured; with a ``header``, an SI value, only that unit is read.
+    ``si`` is the SI unit of the values; with a ``header``, the SI size of a unit, only that unit is read.
     """
     units = MISTAKEN_UNITS.get(si, OF_NO_UNIT)
     read = dict(units)

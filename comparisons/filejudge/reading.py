@@ -72,10 +72,10 @@ class MapEntry:
 
 
 def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEntry]:
-    """The entries by the headers of their columns; a text without a "=" is a file with an entry a line.
+    """The entries by the headers of their columns; an entry without "=" names a file with an entry per line.
 
     An entry is an equation: the column is ``sign factor signal + offset`` at its time + shift. Raises LinkproofError
-    for what is none, for a header that no column has, and for two entries of one.
+    for a text that is no equation, a header that no column has, and two entries for one column.
     """
     known, entries = {_comparable(header) for header in headers}, dict[str, MapEntry]()
     for text in (line for one in given for line in _lines(one)):

@@ -76,7 +76,7 @@ def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recip
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
     """The figures with the largest errors: one of places, of angles, of the torque and of forces.
 
-    A channel without a truth at some instant, as in a dead position, has none.
+    Channels without a true value at some instant, as in a dead position, are left out.
     """
     figures: list[ScriptFigure] = []
     for channel in Channel:

@@ -129,7 +129,7 @@ class ExudynModel:
         return self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
 
     def _add_body(self, body: Body) -> None:
-        """Add a body, with its weight if it has any; one that cannot turn needs no inertia."""
+        """Add a body, with its weight if it has any; a body that cannot turn needs no inertia."""
         place, rate = [*body.position, body.angle], [*body.velocity, body.angular_velocity]
         number = self._add_item("Node", "RigidBody2D", {"referenceCoordinates": place, "initialVelocities": rate})
         self.nodes[body.name], inertia = number, body.inertia or 0.0

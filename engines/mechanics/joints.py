@@ -233,7 +233,7 @@ class JointEquations:
         return bodies.reshape(len(bodies), -1)[:, self.free]
 
     def start(self) -> Pose:
-        """The scene's start state, one instant."""
+        """The pose of the scene's start state, one instant."""
         return pose_of(start_motion(self.scene)[0] / self.metres)
 
 

@@ -88,7 +88,7 @@ class PartLayout:
 
 
 def split_point_mass(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
-    """Cut a point mass off at ``point``; the rest keeps at least half the inertia. Returns the rest and the point."""
+    """Cut a point mass off at ``point``; returns the rest, with half the inertia or more, and the point mass."""
     assert part.inertia is not None
     away = _minus(part.offset, point)
     moment = part.mass * (away[0] ** 2 + away[1] ** 2)

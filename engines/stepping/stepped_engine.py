@@ -174,7 +174,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return why_unusable(self.distribution or self.package, self.name, self.oldest)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """One pass, or several extrapolated, by the setting's recipe."""
+        """Make one pass, or several that are extrapolated, by the setting's recipe."""
         recipes = self.settings.get(type(scene.drive), {})
         if setting not in recipes:
             obstacle = ability_obstacle(scene, self.abilities)

@@ -35,7 +35,7 @@ def variants(incomplete: str) -> list[str]:
 
 
 def regimes(incomplete: str) -> list[str]:
-    """The motions that every linkage can be given, and those of the files on the command line."""
+    """Names of the regimes of every linkage, and of those in the files on the command line."""
     from analytic.description.crank_motion import LAWS, REGIMES
 
     own = [name for table in _linkage_tables() for name in table.get("regimes", {})]
@@ -43,28 +43,28 @@ def regimes(incomplete: str) -> list[str]:
 
 
 def engines(incomplete: str) -> list[str]:
-    """Every engine that has an adapter."""
+    """Names of all engines with an adapter that begin with the incomplete word."""
     from engines.registry import engine_names
 
     return _completions(engine_names(), incomplete)
 
 
 def settings(incomplete: str) -> list[str]:
-    """The settings of an engine."""
+    """Names of settings that begin with the incomplete word."""
     from engines.contract import Setting
 
     return _completions([*Setting, "all"], incomplete)
 
 
 def quantities(incomplete: str) -> list[str]:
-    """Everything that can be compared."""
+    """Names of quantities that begin with the incomplete word."""
     from comparisons.trials.judging.quantities import QUANTITIES
 
     return _completions(QUANTITIES, incomplete)
 
 
 def parameters(incomplete: str) -> list[str]:
-    """The numbers of the mechanism on the command line that designs may differ in."""
+    """Names of the numbers that designs of the typed mechanism may vary."""
     from analytic.description.changes import SPEED
     from comparisons.designer.parameters import parameters as known
 
@@ -72,7 +72,7 @@ def parameters(incomplete: str) -> list[str]:
 
 
 def figures(incomplete: str) -> list[str]:
-    """The figures of a design of the mechanism on the command line."""
+    """Names of the figures of designs of the typed mechanism."""
     from analytic.designs.figures import figure_names
     from analytic.kinematics.mechanism import Mechanism
 
@@ -80,7 +80,7 @@ def figures(incomplete: str) -> list[str]:
 
 
 def axes(incomplete: str) -> list[str]:
-    """The stability maps."""
+    """Names of the stability maps."""
     from comparisons.trials.stress.cells import axes as known
 
     return _completions(known(), incomplete)

@@ -132,7 +132,7 @@ def evaluated_designs(
     designs: Mapping[str, ArrayLike],
     moves: Mapping[str, Any],
 ) -> xarray.Dataset:
-    """Quantities of many designs over the angles, and whether each design is assembled there."""
+    """A dataset of quantities of many designs over crank angles, rad, and of whether each is ``assembled``."""
     known = {name: parts for name, parts in _signals_by_variable(mechanism).items() if name != "S" and parts == [name]}
     chosen = _requested_variables(mechanism, names, known, moves=moves["speed"] is not None)
     values = evaluate_designs(mechanism, designs, angle, chosen, **moves)

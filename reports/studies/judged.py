@@ -81,11 +81,11 @@ class Judgement(Study, ImportedJudgement):
         return imported.document(self, self._run, self.command, imported.sentence(self))
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """A row for every verdict."""
+        """A row, JSON-ready, for every verdict."""
         return self._run.rows(self._run.errors)
 
     def failures(self) -> Sequence[str]:
-        """The verdict, and a line for every signal that has not passed."""
+        """The verdict, then a line for every signal that has not passed."""
         rows = failed_rows(record for record in self._run.errors if record.outcome != Verdict.PASSED)
         return [rendered(self.sentence()).strip(), *rows]
 

@@ -144,7 +144,7 @@ class CampaignResults:
         return {run.run: run.curves for run in self.runs}
 
     def curve(self, run: Sequence[str], quantity: str) -> Curve:
-        """``CURVE`` of one run (mechanism, variant, regime, engine, setting) and quantity, (4, samples)."""
+        """The curve, ``CURVE``, (4, samples), of a run (mechanism, variant, regime, engine, setting) and quantity."""
         return self._curves[tuple(run)][quantity]
 
 

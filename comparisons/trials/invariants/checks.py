@@ -114,9 +114,9 @@ def energy_balance(inspection: Inspection) -> Balance:
 
 
 def angle_error_from_energy(inspection: Inspection) -> Signal:
-    """Upper estimate of a released crank's angle error, rad, on the torque's clock.
+    """An upper estimate of a released crank's angle error, rad, on the torque's clock.
 
-    ∫ δE/(2T) ω dt of energy without a source, and the angle less the integral of the speed.
+    It is ∫ δE/(2T) ω dt for energy without a source, plus the angle's difference from the integral of the speed.
     """
     motion = inspection.motion
     time = motion.signal(Channel.TORQUE).time

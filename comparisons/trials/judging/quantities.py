@@ -312,7 +312,7 @@ def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> No
 
 
 def near_jumps(time: Array, motion: DriverMotion) -> Booleans:
-    """Which of the times (n,), s, lie in the window at any jump of a motion's acceleration; nowhere without a jump.
+    """Which of the times (n,), s, lie in the window around some jump of a motion's acceleration.
 
     There accelerations, torques and forces have two true values. The window belongs to the motion: it is as wide for
     long steps of an engine or a file as for short ones.

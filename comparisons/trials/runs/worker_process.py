@@ -285,7 +285,7 @@ def _run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
 
 @functools.cache
 def _unpickled_function(function: bytes) -> Callable[..., object]:
-    """A function, unpickled once for all jobs, so that it can cache."""
+    """The unpickled function, the same object for all jobs, so that it can cache."""
     loaded: Callable[..., object] = pickle.loads(function)
     return loaded
 

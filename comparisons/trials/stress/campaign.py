@@ -144,7 +144,7 @@ class Stress:
 
     @cached_property
     def lines(self) -> Mapping[Line, Sequence[Cell]]:
-        """The cells of each line, in the order of their values."""
+        """The cells by their line (axis, row, engine, setting), in the order of their values."""
         lines = grouped((cell.line, cell) for cell in self.cells)
         return {line: sorted(cells, key=lambda cell: cell.value) for line, cells in lines.items()}
 

@@ -141,7 +141,7 @@ class Bench:
 
     @cached_property
     def table(self) -> DataFrame:
-        """A row for every point in each of its quantities: ``BenchRun.columns``, and the ``order`` of its sweep."""
+        """A row for every point and quantity, with ``BenchRun.columns`` and the ``order`` of the point's sweep."""
         from pandas import DataFrame, Series  # noqa: PLC0415  half a second that a worker process saves
 
         rows = [row for point in self.points for row in point.columns(self.document["quantities"])]
@@ -188,9 +188,11 @@ def is_falling(errors: Sequence[float]) -> bool:
 def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | None:
     """Slope of log error over log step where it is steady; None unless three points agree on it.
 
-    The longest run of refinements counts, of equal ones the finest, whose local slopes agree with their own Theil-Sen
-    slope, which an outlier does not move. Points at the floor or past it, and those so wrong that they are no solution,
-    are left out.
+    The slope is that of the longest run of refinements whose local slopes agree with their own Theil-Sen slope, which
+    an
+    outlier does not move; of equally long runs the finest counts. Points at the floor or past it, and points so wrong
+    that
+    they are no solution, are left out.
     """
     best, log_steps = int(np.argmin(errors)), np.log(np.asarray(steps, dtype=float))
     log_errors = np.log(np.maximum(np.asarray(errors, dtype=float), np.finfo(float).tiny))
