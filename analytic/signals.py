@@ -137,7 +137,7 @@ def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, 
 
 
 def contour_length(sweep: Sweep, path: ThreadPath) -> Scalar:
-    """L(φ), m."""
+    """The length L(φ) of the thread's contour, m."""
     corners = [stop_position(sweep, stop) for stop in path.stops]
     length: Scalar = 0.0
     for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(corners):

@@ -226,7 +226,7 @@ def load_rows(
 
 
 def build(model: Data) -> MujocoWorld:
-    """The world of a model."""
+    """The world of a model, in its start state."""
     return MujocoWorld(model)
 
 

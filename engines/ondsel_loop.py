@@ -47,7 +47,7 @@ def build(given: Data) -> tuple[AsmtModel, Data]:
 
 
 def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
-    """Markers by their place and axes."""
+    """OndselSolver's markers at places, with axes."""
     return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
 
 

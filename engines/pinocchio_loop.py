@@ -123,7 +123,7 @@ def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
 
 
 def build(model: Data) -> World:
-    """The world of a model."""
+    """The world of a model, in its start state."""
     return World(model)
 
 

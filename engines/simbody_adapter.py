@@ -87,7 +87,7 @@ class SimbodyModel:
             self.turning[branch.body.name] = self.turning[branch.parent] + ([number] if is_hinge else [])
 
     def as_data(self, recipe: SimbodyRecipe) -> dict[str, Any]:
-        """The model in plain data."""
+        """The model as plain data: bodies, cuts, springs, loads, drive and read-outs."""
         return {
             "gravity": self.scene.gravity,
             "tolerance": recipe.effort,

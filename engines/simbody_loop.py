@@ -168,7 +168,7 @@ def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: A
 
 
 def build(model: Data) -> SimbodyWorld:
-    """The world of a model."""
+    """The world of a model, in its start state."""
     return SimbodyWorld(model)
 
 

@@ -85,5 +85,5 @@ if not TYPE_CHECKING:  # to whom every name would be there
 
 
 def __dir__() -> list[str]:
-    """The public names, for completion."""
+    """The names that ``dir`` and completion show: the public ones."""
     return __all__

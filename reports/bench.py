@@ -466,7 +466,7 @@ LINK = PageLink("Work-precision", "bench.html")
 
 
 def page(bench: Bench) -> Page:
-    """The page of one benchmark."""
+    """The page of a benchmark."""
     every, labels = places(bench), engine_labels(bench)
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []

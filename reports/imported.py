@@ -60,7 +60,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
 
 
 def sentence(judgement: ImportedJudgement) -> str:
-    """The verdict in one sentence."""
+    """The verdict of a judgement in one sentence."""
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
     over, open_ = (_names_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
     still_open = f"; {len(open_)} undecided: {_first_names(open_)}" if open_ else ""

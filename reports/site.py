@@ -102,7 +102,7 @@ class Contents:
         return (PageLink(INDEX_TITLE, INDEX), *page_links)
 
     def page(self, file: str) -> Page:
-        """One of the pages, by its file."""
+        """The page with this file name, built from the folder's data."""
         if file == INDEX and not self.is_single:
             cost = bench_page.cost(self.bench) if self.bench is not None else ()
             return index(self.campaign, self.sheets, tuple(self._studies()), cost)

@@ -57,7 +57,7 @@ SIGNS: Mapping[StressVerdict, StressSign] = {
 
 
 def axis_title(name: str) -> str:
-    """An axis in words."""
+    """The title of an axis in words."""
     return axes()[name].title
 
 
@@ -286,7 +286,7 @@ MOST_OPEN = 12
 
 
 def page(stress: Stress) -> Page:
-    """The page of a saved stress test."""
+    """The page of a stress test."""
     lead = (
         Paragraph(summary(stress, "stress_verdict"), "verdict"),
         Paragraph(ranking(stress), "lead"),

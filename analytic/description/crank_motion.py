@@ -132,11 +132,11 @@ class CrankMotion:
         return [np.array([(0.0,) * (powers - len(row)) + row for row in pieces]).T for pieces in rows]
 
     def angle(self, time: ArrayLike) -> NDArray[np.float64]:
-        """φ(t), rad."""
+        """φ(t), rad, at times, s; shape of ``time``."""
         return self._evaluate(time, 0)
 
     def speed(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ω(t), rad/s."""
+        """ω(t), rad/s, at times, s; shape of ``time``."""
         return self._evaluate(time, 1)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
@@ -149,7 +149,7 @@ class Standstill(CrankMotion):
 
     @cached_property
     def peak_speed(self) -> float:
-        """Zero."""
+        """Zero, the largest |ω|, rad/s."""
         return 0.0
 
     @cached_property
@@ -195,7 +195,7 @@ def crank_motion(
     clockwise: bool = False,
     start_angle: float = 0.0,
 ) -> CrankMotion:
-    """Build a regime by name.
+    """The prescribed motion of a regime by its name.
 
     ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at
     it for ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed``

@@ -151,7 +151,7 @@ def shown(value: object) -> str:
 
 
 def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
-    """Keys that are allowed at a place."""
+    """Keys that the table at this path of keys may have."""
     model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:

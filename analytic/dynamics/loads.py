@@ -34,7 +34,7 @@ class Load:
     torque: Scalar | None = None
 
     def times(self, factor: Scalar) -> Load:
-        """The load times a factor."""
+        """The load with force and torque times a factor."""
         force = None if self.force is None else (factor * self.force[0], factor * self.force[1])
         return Load(self.body, self.at, force, None if self.torque is None else factor * self.torque)
 

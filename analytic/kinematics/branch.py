@@ -40,7 +40,7 @@ class GroupBranch:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lowest and the highest φ."""
+        """The lowest and the highest φ, rad or m, up to which the branch was followed."""
         return float(self.coordinate[0]), float(self.coordinate[-1])
 
     def wrapped(self, coordinate: Array) -> Array:

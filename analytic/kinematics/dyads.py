@@ -66,7 +66,7 @@ class Rod:
         return frames.pose_through(self.base, direction, self.far)
 
     def moment(self, gap: Pair) -> Scalar:
-        """The vector product gap × d."""
+        """The vector product gap × d, with the side's arm as d, m²."""
         return frames.dot(gap, self.r)
 
     def column(self, link: Pose) -> Pair:
@@ -117,7 +117,7 @@ class Rail:
         return frames.pose_through(point, frames.turned(self.host, self.turn), self.local)
 
     def moment(self, gap: Pair) -> Scalar:
-        """The vector product gap × d."""
+        """The vector product gap × d, with the rail's direction as d, m."""
         return frames.cross(gap, self.e)
 
     def column(self, link: Pose) -> Pair:
@@ -325,7 +325,7 @@ class RRR(_PinDyad):
         return "stretched in one line" if np.all(frames.dot(first.r, second.r) < 0.0) else "folded in one line"
 
     def gap(self) -> Scalar:
-        """Distance AB, m."""
+        """The distance AB of the outer pins, m."""
         d = frames.minus(self.sides[1].base, self.sides[0].base)
         return np.sqrt(frames.dot(d, d))
 
@@ -372,7 +372,7 @@ class RRP(_PinDyad):
     """A circle and a line: A + r = base + t e with |r| given; r · e, the determinant, has the sign given."""
 
     def make_sides(self) -> tuple[Any, Any]:
-        """The arm from A, and the slide."""
+        """The arm from A as first side, the slide as second."""
         first, inner, second = self.joints
         return _rod(first, inner.far_local), Rail(second, inner.near_local)
 
@@ -513,7 +513,7 @@ class RPR(_SlideDyad):
         return f"the slide square to the line of '{self.joints[0].name}' and '{self.joints[2].name}'"
 
     def gap(self) -> Scalar:
-        """Distance AB, m."""
+        """The distance AB of the outer pins, m."""
         return np.sqrt(frames.dot(self.side.r, self.side.r))
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
@@ -559,7 +559,7 @@ class RPP(_SlideDyad):
         return second
 
     def side_column(self) -> Pair:
-        """The direction of the rail."""
+        """The direction of the rail, of any length."""
         direction: Pair = self.side.e
         return direction
 

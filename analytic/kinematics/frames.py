@@ -26,12 +26,12 @@ STILL: Rate = (0.0, 0.0, 0.0)  # the ground's; compared by identity, to skip wor
 
 
 def is_zero(scalar: Scalar) -> bool:
-    """Whether a factor or summand is a plain zero, as on a guide along an axis."""
+    """Whether a factor or summand is the plain number 0, as on a guide along an axis, so that it can be left out."""
     return type(scalar) is float and scalar == 0.0
 
 
 def is_one(scalar: Scalar) -> bool:
-    """Whether a factor is a plain one."""
+    """Whether a factor is the plain number 1, so that multiplying by it can be saved."""
     return type(scalar) is float and scalar == 1.0
 
 

@@ -127,7 +127,7 @@ class DrivenLink(ClosedGroup):
 
     @property
     def links(self) -> tuple[str, ...]:
-        """The link."""
+        """The name of the link, as the only member."""
         return (self.first,)
 
     @property
@@ -151,7 +151,7 @@ class Dyad(ClosedGroup):
 
     @property
     def links(self) -> tuple[str, str]:
-        """The two links."""
+        """Names of the two links, in the order of the kind's name."""
         return (self.first, self.second)
 
     @property
@@ -285,12 +285,12 @@ class Mobility:
 
     @property
     def degrees(self) -> int:
-        """Degrees of freedom that the count gives."""
+        """The degrees of freedom of the linkage by count."""
         return 3 * self.links - 2 * self.joints - self.slots
 
     @property
     def formula(self) -> str:
-        """The count written out."""
+        """The count of degrees of freedom written out, as text."""
         slots = f" - {self.slots} pin{'s' if self.slots > 1 else ''} in slots" if self.slots else ""
         return f"{self.degrees} = 3·{self.links} links - 2·{self.joints} pins and slides{slots}"
 

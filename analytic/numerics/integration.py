@@ -50,7 +50,7 @@ class GaussScheme(NamedTuple):
 
 @lru_cache
 def gauss_scheme(count: int) -> GaussScheme:
-    """The scheme with ``count`` nodes."""
+    """The Gauss integration scheme with ``count`` nodes; made once."""
     points, weights = legendre.leggauss(count)
     orders = np.arange(count)
     series: Array = (orders + 0.5)[:, None] * legendre.legvander(points, count - 1).T * weights

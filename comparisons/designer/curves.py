@@ -247,7 +247,7 @@ class Curves:
 
     @property
     def linkage(self) -> Linkage:
-        """The linkage."""
+        """The case's linkage."""
         return self.case.mechanism.linkage
 
     @cached_property

@@ -129,7 +129,7 @@ def _load_slips(linkage: Linkage) -> Iterator[str]:
 
 
 def load_name(load: Load) -> str:
-    """A load as warnings call it."""
+    """The name of a load in warnings."""
     match load:
         case PointForce():
             return f"force at '{load.point}'"

@@ -34,7 +34,7 @@ class End:
 
     @property
     def is_feasible(self) -> bool:
-        """Whether all constraints hold."""
+        """Whether the design there meets all constraints."""
         return self.violation <= ALLOWED_EXCESS
 
     @property
@@ -228,7 +228,7 @@ class Search:
 
     @property
     def method(self) -> str:
-        """The method in words."""
+        """The search method in words."""
         return "SLSQP" + (", from the best of an even sample" if self.everywhere else "")
 
     @property

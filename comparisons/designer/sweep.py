@@ -60,7 +60,7 @@ class DesignSpace:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Designs along each dimension."""
+        """Number of designs along each dimension."""
         return (len(self.columns[0]),) if self.is_list else tuple(map(len, self.columns))
 
     @property
@@ -307,7 +307,7 @@ class SweepStudy:
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """All designs with names and units."""
+        """The study as a labelled dataset with names and units."""
         space = self.request.space
         columns = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
         return labelled_dataset(self.request, columns, self.values.reshape(-1, *space.shape))

@@ -81,7 +81,7 @@ class Fit:
 
     @property
     def words(self) -> str:
-        """The fault in one sentence."""
+        """The sentence on the fault with its fitted numbers."""
         return self.fault.words(*self.numbers)
 
     @property

@@ -146,7 +146,7 @@ class Unit:
 
 
 def _units_by_name() -> dict[str, Unit]:
-    """All units by each of their names."""
+    """The table of all known units, by each of their names."""
     units: dict[str, Unit] = {}
     for kind, dimension in _UNITS_FILE["dimensions"].items():
         values = {**UNITS.get(kind, {}), **_UNITS_FILE.get(kind, {})}

@@ -118,7 +118,7 @@ def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Bo
 
 
 def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
-    """One link as a body in its state."""
+    """One link as a body in its state, for a crank speed, rad/s, and acceleration, rad/s²."""
     first, second = sweep.rates(name)[2], sweep.accelerations(name)[2]
     position, velocity, bend = (sweep.centre(name, order) for order in range(3))
 
@@ -182,7 +182,7 @@ class Truth(LinkageInMotion):
 
     @cached_property
     def sweep(self) -> Sweep:
-        """The linkage at φ(t)."""
+        """The linkage posed at φ(t)."""
         return self.mechanism.sweep(self.motion.angle(self.time))
 
     @property
@@ -291,7 +291,7 @@ class Case:
         return self._seen[key]
 
     def sweep(self, time: Array) -> Sweep:
-        """The linkage along the motion."""
+        """The linkage posed along the motion, at times (n,), s."""
         return self.at(time).sweep
 
     @cached_property

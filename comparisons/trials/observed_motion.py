@@ -45,7 +45,7 @@ class ObservedMotion:
 
     @cached_property
     def numbers(self) -> dict[str, int]:
-        """The place of every body, by name."""
+        """The index of every body in the arrays, by its name."""
         return body_numbers(self.scene)
 
     @cached_property
@@ -128,7 +128,7 @@ class ObservedMotion:
         return resample_piecewise(column, time, self.jumps)
 
     def kinetic_energy(self, time: Array) -> Array:
-        """T = Σ ½ m v² + ½ J ω², J."""
+        """Kinetic energy of all bodies at times (n,), s: T = Σ ½ m v² + ½ J ω², J."""
         velocity = self.bodies(Channel.VELOCITY, time)
         return np.asarray(0.5 * np.einsum("nbk,bk->n", velocity**2, self.masses))
 

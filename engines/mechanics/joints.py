@@ -147,7 +147,10 @@ class JointEquations:
         return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
 
     def residual(self, pose: Pose, arms: Arms) -> Reals:
-        """Φ (n, rows); the driver's row is 0: poses are made with a crank where the drive has it (``driven``)."""
+        """The residual Φ of the equations, (n, rows), in units.
+
+        The driver's row is 0, since poses are made with the driver where the drive has it (``driven``).
+        """
         result = np.zeros((len(pose.place), self.rows), dtype=pose.place.dtype)
         result[:, self.x_rows], result[:, self.y_rows] = arms.gap[:, : self.pins, 0], arms.gap[:, : self.pins, 1]
         result[:, self.line_rows] = dot(across(arms.along), arms.gap[:, self.pins :])
@@ -163,7 +166,7 @@ class JointEquations:
         return pose.angle[:, self.crank] if arms.driver is None else arms.driver.length
 
     def jacobian(self, arms: Arms) -> Reals:
-        """G (n, rows, coordinates)."""
+        """The Jacobian G of the equations, (n, rows, coordinates), for these joint vectors."""
         entries = np.empty((len(arms.gap), *self._template.shape), dtype=arms.gap.dtype)
         entries[:] = self._template
         pins, lines = slice(0, self.pins), slice(self.pins, None)

@@ -49,16 +49,16 @@ class MjxWorld(ClockedWorld):
             )
 
     def begin(self) -> None:
-        """See ``ClockedWorld``."""
+        """Hand C MuJoCo's model, with the step it has now, to MJX."""
         self.other = mjx.put_model(self.model)
 
     def advance(self, motion: Array) -> None:
-        """See ``ClockedWorld``."""
+        """Take a step of MJX for each row of the clock's motion; then fill C MuJoCo's data."""
         self.state = stepped(self.other, self.state, motion)
         self.fetch()
 
     def compute(self, settled: bool) -> None:
-        """See ``ClockedWorld``."""
+        """Copy the state from C MuJoCo to MJX; if ``settled``, compute its forces and copy them back."""
         self.state = self.state.replace(**{name: jax.numpy.array(getattr(self.data, name)) for name in SET})
         if settled:
             self.state = forward(self.other, self.state)
@@ -70,7 +70,7 @@ class MjxWorld(ClockedWorld):
         self.fill(values, np.roll(values["efc_force"], 1))
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """See ``ClockedWorld``; computed in the precision of the model."""
+        """Step through a part in the model's precision and yield its samples as ``read`` returns them."""
         with jax.enable_x64(self.given["precision"] == "f64"):
             yield from super().states(part, course, warnings)
 

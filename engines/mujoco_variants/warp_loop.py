@@ -25,13 +25,13 @@ class WarpWorld(ClockedWorld):
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:
-        """See ``ClockedWorld``."""
+        """Hand C MuJoCo's model, with the step it has now, to Warp."""
         self.other = mujoco_warp.put_model(self.model)
         if self.given["settle"]:  # else J'q' is that of the stage before, and Runge-Kutta's method of first order
             self.other.callback.control = mujoco_warp.make_constraint
 
     def advance(self, motion: Array) -> None:
-        """See ``ClockedWorld``."""
+        """Take a step of Warp for each row of the clock's motion; then fill C MuJoCo's data."""
         for row in motion:
             for name, value in zip(SET, row, strict=False):
                 values = getattr(self.state, name).numpy()
@@ -41,7 +41,7 @@ class WarpWorld(ClockedWorld):
         self.fetch()
 
     def compute(self, settled: bool) -> None:
-        """See ``ClockedWorld``."""
+        """Copy the state from C MuJoCo to Warp; if ``settled``, compute its forces and copy them back."""
         for name in SET:
             getattr(self.state, name).assign(getattr(self.data, name)[None])
         if settled:

@@ -228,7 +228,7 @@ def driver_speeds(
 
 
 def build(model: Data) -> PymunkWorld:
-    """The world of a model."""
+    """The world of a model, in its start state."""
     return PymunkWorld(model)
 
 

@@ -44,7 +44,7 @@ def line(axes: Axes, places: ArrayLike, width: float, layer: float, ink: str = I
 
 
 def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any = PAPER) -> None:  # noqa: ANN401
-    """A filled polygon with an outline."""
+    """Draw a filled polygon with an outline."""
     axes.add_patch(Polygon(np.asarray(corners), facecolor=face, edgecolor=INK, linewidth=width, zorder=layer))
 
 

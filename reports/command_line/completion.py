@@ -29,13 +29,13 @@ def mechanisms(incomplete: str) -> list[str]:
 
 
 def variants(incomplete: str) -> list[str]:
-    """Variants of the mechanisms on the command line."""
+    """Variants, beginning with the incomplete word, of the typed mechanisms."""
     named = [name for table in _linkage_tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
     return _completions(named, incomplete)
 
 
 def regimes(incomplete: str) -> list[str]:
-    """Names of the regimes of every linkage, and of those in the files on the command line."""
+    """Names, beginning with the incomplete word, of general regimes and of those in the typed files."""
     from analytic.description.crank_motion import LAWS, REGIMES
 
     own = [name for table in _linkage_tables() for name in table.get("regimes", {})]
@@ -64,7 +64,7 @@ def quantities(incomplete: str) -> list[str]:
 
 
 def parameters(incomplete: str) -> list[str]:
-    """Names of the numbers that designs of the typed mechanism may vary."""
+    """Names, beginning with the incomplete word, of numbers that designs of the typed mechanism may vary."""
     from analytic.description.changes import SPEED
     from comparisons.designer.parameters import parameters as known
 
@@ -72,7 +72,7 @@ def parameters(incomplete: str) -> list[str]:
 
 
 def figures(incomplete: str) -> list[str]:
-    """Names of the figures of designs of the typed mechanism."""
+    """Names, beginning with the incomplete word, of figures of the typed mechanism's designs."""
     from analytic.designs.figures import figure_names
     from analytic.kinematics.mechanism import Mechanism
 
@@ -80,7 +80,7 @@ def figures(incomplete: str) -> list[str]:
 
 
 def axes(incomplete: str) -> list[str]:
-    """Names of the stability maps."""
+    """Names of the stability maps that begin with the incomplete word."""
     from comparisons.trials.stress.cells import axes as known
 
     return _completions(known(), incomplete)

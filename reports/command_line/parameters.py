@@ -56,7 +56,7 @@ class LinkproofCommand(click.Command):
     sections: Mapping[str, str] = NO_TEXTS  # titles by the names of parameters
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The options, section by section."""
+        """Write the options into the help, section by section."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)

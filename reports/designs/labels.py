@@ -45,7 +45,7 @@ class Label(NamedTuple):
 
 
 def label(name: str) -> Label:
-    """The variable, dimensions and place in a dataset that belong to a signal's name."""
+    """The Label of a signal by its name: the dataset's variable, its dimension, and the place along that."""
     kind, _, rest = name.partition(":")
     if kind == GROUP:
         return Label(kind, DIMENSIONS[kind], rest)

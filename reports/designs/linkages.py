@@ -83,7 +83,7 @@ class New(Study):
     beside: str
 
     def printout(self) -> Printout:
-        """The files, and the next command."""
+        """The printed paths of the new files, and the next command."""
         argument = shlex.quote(f"./{self.path}" if str(self.path).startswith("-") else str(self.path))
         return Printout((), [f"wrote {self.path}{self.beside}; next: linkproof check {argument}"])
 
@@ -142,11 +142,11 @@ class Check(Study):
         return str(self.fault or f"{self.facts['mechanism']} ({self.facts['variant']}): {self.facts['title']}")
 
     def printout(self) -> Printout:
-        """A line for each fact, then the links."""
+        """The printed facts, a line each, then the table of links."""
         return Printout(printed_facts(self.facts, self.linkage.written), ())
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The facts."""
+        """The facts, JSON-ready."""
         return self.facts
 
     def plot(self) -> Figure:

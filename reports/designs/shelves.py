@@ -31,7 +31,7 @@ class Listing(Study):
     exit_code: int = 0
 
     def printout(self) -> Printout:
-        """The tables."""
+        """The printed tables."""
         return Printout(self.parts, self.closing)
 
     def sentence(self) -> Printed:

@@ -56,7 +56,7 @@ class DrawnDesigns:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """The figures that are drawn."""
+        """Names of the figures that are drawn."""
         return tuple(map(str, self.dataset.data_vars))[:MOST]
 
     def values(self, name: str) -> Array:

@@ -157,7 +157,7 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
 
 
 def csv_table(study: ToleranceStudy) -> str:
-    """A row per result and parameter."""
+    """The study as CSV text, a row per result and parameter."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -70,7 +70,7 @@ class _PageFiles:
         return "../" * self.page.file.count("/")
 
     def inline(self, words: Words) -> Markup:
-        """Words as markup."""
+        """Words as HTML markup, everything in them escaped."""
         match words:
             case tuple():
                 return Markup("").join(map(self.inline, words))
@@ -97,7 +97,7 @@ class _PageFiles:
         return self.root + folder
 
     def picture(self, figure: PageFigure) -> Picture:
-        """Draw a figure into its files."""
+        """Draw a figure into files of the page; returns the picture with its address and size."""
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
         drawing = figure.drawing()

@@ -76,7 +76,7 @@ def released_section(sheet: Sheet) -> Section:
 
 
 def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
-    """The crank's speed over time."""
+    """The figure of the crank's speed over time in a released regime."""
 
     def place(figure: Figure) -> None:
         """Draw the crank's speed, rpm, over time."""
@@ -89,7 +89,7 @@ def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
 
 
 def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure, ...]:
-    """Speed and acceleration over the last whole turn, where the crank ends in one."""
+    """The figure of speed and acceleration over the last whole turn; () where the crank makes none."""
     if not motion.last_turn:
         return ()
     turn = motion.last_turn

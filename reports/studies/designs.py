@@ -67,7 +67,7 @@ class Sweep(Study):
         return sweep_terminal.document(self.study)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A row for every design."""
+        """A DataFrame with a row for every design."""
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
@@ -143,7 +143,7 @@ class Optimisation(Study):
         return xr.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, attributes)
 
     def printout(self) -> Printout:
-        """The numbers and figures before and after, and how the search went."""
+        """The printed optimum: numbers and figures before and after, and how the search went."""
         return Printout(optimise_terminal.printed(self.best, self.conditions), self._speed_note())
 
     def brief(self) -> Sequence[Printed]:
@@ -159,7 +159,7 @@ class Optimisation(Study):
         return [f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file has no speed."]
 
     def to_dict(self) -> Mapping[str, Any]:
-        """Numbers, figures and search."""
+        """Numbers, figures and search, JSON-ready."""
         return optimise_terminal.document(self.best, self.command, self.conditions)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame

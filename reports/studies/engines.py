@@ -83,7 +83,7 @@ class EngineFindings(Study):
         return 1 if any(each.finding is Finding.FAILED for each in self.checks) else 0
 
     def printout(self) -> Printout:
-        """A line for every check."""
+        """The printed findings, a line for every check."""
         return printout(self.engine, self.checks)
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -91,7 +91,7 @@ class EngineFindings(Study):
         return {"engine": self.engine, "version": self.version, "checks": self.rows()}
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """A row for every check."""
+        """The checks as rows, JSON-ready."""
         return [asdict(each) for each in self.checks]
 
     def failures(self) -> Sequence[str]:

@@ -42,7 +42,7 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def _files(self) -> str:
-        """The judged files, by their paths."""
+        """The paths of the judged files as one text."""
         return ", ".join(map(str, self.paths))
 
     @property
@@ -68,7 +68,7 @@ class Judgement(Study, ImportedJudgement):
         return imported.printout(self, self._title)
 
     def brief(self) -> Sequence[Printed]:
-        """The verdict in a sentence."""
+        """The verdict in a sentence, for a quiet run."""
         return [imported.sentence(self)]
 
     @property
@@ -77,7 +77,7 @@ class Judgement(Study, ImportedJudgement):
         return imported.run_of_judgement(self, self._files)
 
     def to_dict(self) -> Mapping[str, Any]:
-        """Verdicts, causes and errors."""
+        """Verdicts, causes and errors, JSON-ready."""
         return imported.document(self, self._run, self.command, imported.sentence(self))
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
@@ -90,7 +90,7 @@ class Judgement(Study, ImportedJudgement):
         return [rendered(self.sentence()).strip(), *rows]
 
     def plot(self) -> Figure:
-        """The worst curves and the differences."""
+        """A figure of the worst curves and their differences."""
         return imported.judged_figure(self, self._title)
 
     def write(self, folder: str | Path) -> Path:

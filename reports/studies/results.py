@@ -39,7 +39,7 @@ class Results(Study):
 
     @cached_property
     def sheet(self) -> Sheet:
-        """The signals and key figures."""
+        """The sheet with signals and key figures."""
         return sheet(self.case, self.chosen)
 
     @cached_property

@@ -145,7 +145,7 @@ class Comparison(Trials):
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """A row for each record."""
+        """The records as rows, JSON-ready."""
         return [row for run in self.results.runs for row in run.rows(run.every)]
 
     @property
@@ -242,7 +242,7 @@ class Benchmark(Trials):
         return cls(work_precision.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
-        """Write the benchmark into a folder."""
+        """Write the benchmark into a folder, replacing an earlier one."""
         work_precision.save(folder, self.bench)
 
     def printout(self) -> Printout:
@@ -290,7 +290,7 @@ class StabilityMaps(Trials):
         return cls(stress_test.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
-        """Write the maps into a folder."""
+        """Write the maps into a folder, replacing earlier ones."""
         stress_test.save(folder, self.stress)
 
     def printout(self) -> Printout:
@@ -305,11 +305,11 @@ class StabilityMaps(Trials):
         return f"{len(self.stress.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The document and all cells."""
+        """The document and all cells, JSON-ready."""
         return {"cells": self.rows()} if self.are_cells else self.stress.as_dict
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """A row for every cell."""
+        """The cells as rows, JSON-ready."""
         return [cell.data for cell in self.stress.cells]
 
     @property

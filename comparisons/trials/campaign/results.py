@@ -89,12 +89,12 @@ class CampaignResults:
 
     @cached_property
     def records(self) -> tuple[Error, ...]:
-        """One record per run and quantity."""
+        """The errors of all runs, one record per run and quantity."""
         return tuple(error for run in self.runs for error in run.errors)
 
     @cached_property
     def invariants(self) -> tuple[Error, ...]:
-        """One record per run and invariant."""
+        """The invariants of all runs, one record per run and invariant."""
         return tuple(error for run in self.runs for error in run.invariants)
 
     @cached_property

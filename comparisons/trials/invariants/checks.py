@@ -62,7 +62,7 @@ HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
 def energy(motion: ObservedMotion, time: Array) -> Array:
-    """T + V at these times, J."""
+    """Kinetic plus potential energy, T + V, at these times, s, in J."""
     return motion.kinetic_energy(time) + motion.potential_energy(time)
 
 

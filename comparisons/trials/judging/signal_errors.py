@@ -56,7 +56,7 @@ class Reading:
         return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
 
     def body_number(self, body: str) -> int:
-        """The place of a body in the scene."""
+        """The index of a body in the scene's arrays."""
         return [each.name for each in self.scene.bodies].index(body)
 
     @property
@@ -68,7 +68,7 @@ class Reading:
 
     @property
     def words(self) -> str:
-        """The name of the signal for a reader."""
+        """The name of the signal in words."""
         if self.channel not in LEVELS:
             return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
         kind = "" if self.channel is Channel.POSITION else self.channel.value
@@ -77,7 +77,7 @@ class Reading:
 
 
 def readings(scene: Scene, history: History) -> Iterator[Reading]:
-    """Every signal of a history."""
+    """A Reading for each signal of a history: of each body, of the torque, of each joint."""
     for channel in (*LEVELS, Channel.TORQUE):
         signal = getattr(history, channel.value)
         bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
@@ -142,7 +142,7 @@ class SignalError:
 
     @cached_property
     def sizes(self) -> Array:
-        """Magnitudes of the errors, (n,)."""
+        """Magnitudes of the errors as shares of the scale, (n,)."""
         return np.asarray(np.hypot.reduce(self.components, axis=1))
 
     @property

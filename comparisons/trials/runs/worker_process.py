@@ -139,7 +139,7 @@ class _Process:
         return getattr(self._process, name)
 
     def start(self) -> None:
-        """Start it without the main module."""
+        """Start the process without importing the main module in it."""
         with _main_module_hidden():
             self._process.start()
 

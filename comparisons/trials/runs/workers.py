@@ -138,7 +138,7 @@ class LocalPool:
                 yield worker.job[0], result
 
     def close(self) -> None:
-        """Kill the workers, busy or not."""
+        """Kill all workers, also those with a job."""
         workers = (*self._free, *self._busy.values())
         self._free.clear()
         self._busy.clear()

@@ -134,7 +134,7 @@ class Stress:
 
     @property
     def results(self) -> Sequence[Cell]:
-        """Every cell, line by line."""
+        """Every cell with its result, line by line."""
         return [cell for line in self.lines.values() for cell in line]
 
     @cached_property
@@ -235,5 +235,5 @@ def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool = F
 
 
 def _cell_seconds(cell: Cell, *, quick: bool) -> float:
-    """The time limit of a cell, s."""
+    """The time limit of a cell, s, by its axis and whether the map is quick."""
     return min(axes()[cell.axis].seconds, QUICK_SECONDS if quick else math.inf)

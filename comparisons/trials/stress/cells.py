@@ -180,7 +180,7 @@ class Conditions:
 
     @property
     def step(self) -> float:
-        """The step of a method, s."""
+        """The step, s, of a method at this speed."""
         return 2.0 * math.pi / self.rate / self.steps_per_turn
 
 
@@ -313,7 +313,7 @@ class Axis:
         return rows[label]
 
     def conditions(self, label: str, value: float) -> Conditions:
-        """All conditions of a cell."""
+        """The conditions of a cell: those of the row with this label, with the axis' value set."""
         varied: dict[str, Any] = {self.vary: value}
         return replace(self.row(label), **varied)
 
