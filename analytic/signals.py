@@ -174,7 +174,7 @@ def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
 
 
 def reference_length(mechanism: Mechanism, path: ThreadPath) -> float:
-    """L(φ_ref), m: the contour's length at which the feed is ΔP."""
+    """L(φ_ref), m: the length of the thread's contour at the angle at which the feed is ΔP."""
     return float(contour_length(mechanism.sweep(reference_angle(mechanism, path)), path))
 
 

@@ -193,7 +193,7 @@ def ranking(stress: Stress) -> str:
 
 
 def verdict_facts(stress: Stress) -> Facts:
-    """The number of cells of each verdict, with its meaning; the claim is 0 of "missed"."""
+    """The number of cells with each verdict, and its meaning; of "missed" the claim is that there are 0."""
     count = stress.count()
     return Facts(
         tuple(

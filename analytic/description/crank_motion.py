@@ -197,9 +197,9 @@ def crank_motion(
 ) -> CrankMotion:
     """The prescribed motion of a regime by its name.
 
-    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at
-    it for ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed``
-    turns at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
+    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at it for
+    ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed`` turns
+    at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
     """
     if regime not in REGIMES:
         raise UnknownNameError("regime", regime, REGIMES)

@@ -33,7 +33,7 @@ class TimeLaw:
     torque: Annotated[tuple[float, ...], Kind.DRIVE]
 
     def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
-        """The value at each time; shape of ``time``."""
+        """The torque at each time, s, in N m; shape of ``time``."""
         return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.torque))
 
 
@@ -71,7 +71,7 @@ class Law:
 
     @cached_property
     def _curve(self) -> PPoly:
-        """The spline, or the straight lines, through the table."""
+        """The cubic spline, or the straight lines, through the table of the law."""
         from scipy.interpolate import CubicSpline, PPoly  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None

@@ -361,7 +361,7 @@ def with_variant_written(text: str, name: str, variant: str | None) -> str:
 
 
 def written_numbers(text: str, name: str, variant: str | None) -> WrittenNumbers:
-    """Where a file in a variant has its numbers, and in which units."""
+    """The places and units of all numbers of a linkage file in a variant."""
     raw, _, source = document(text, name, name, variant)
     return WrittenNumbers(raw, reader_of(validated(raw, source), source), parse(text, name, name, variant))
 
@@ -461,7 +461,7 @@ def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
 
 
 def _first_line(name: str, variant: str, sentences: list[str]) -> str:
-    """The comment that says how the file was made: from which file, and which numbers were changed."""
+    """The comment that begins the new file: from which file it was made, and which numbers were changed."""
     more = [f"{len(sentences) - MOST_NAMED} more numbers"] if len(sentences) > MOST_NAMED else []
     numbers = ", ".join([*sentences[:MOST_NAMED], *more]) or "no number changed"
     return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"

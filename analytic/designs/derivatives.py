@@ -364,8 +364,7 @@ def differences(
     """Values of a function of named numbers, derivatives (values, numbers, ...), and estimated errors of these.
 
     Central differences over a step, a half and a quarter of it, extrapolated; the error is the difference of the last
-    two
-    extrapolations.
+    two extrapolations.
     """
     slopes, errors = [], []
     for name, value in point.items():
@@ -407,7 +406,7 @@ def _with_period_end(places: Array, period: float) -> Array:
 
 
 def _check_moves(sweep: Sweep) -> None:
-    """Raise AssemblyError where a design has no motion at one of the places."""
+    """Raise AssemblyError where a design has no motion at one of the sweep's places."""
     for body in sweep.structure.bodies:
         sweep.rates(body)
 

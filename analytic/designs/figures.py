@@ -148,8 +148,7 @@ def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> 
     """The figures by name that a typed name stands for: itself, or all members of a family.
 
     ``in_time`` allows figures of a motion, at a time. Raises LinkproofError for an unknown signal or reduction, and for
-    a
-    wrong angle or time.
+    a wrong angle or time.
     """
     name = symbol(name)
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)

@@ -99,7 +99,7 @@ class LinkBalance:
             self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
 
     def _add_pin_force(self, point: str, body: str, force: Pair) -> None:
-        """Add to the force of a pin on a body, which several groups may share."""
+        """Add a force, N, to that of a pin on a body, since several groups may share the pin."""
         x, y = self.at_pins.get((point, body), (0.0, 0.0))
         self.at_pins[point, body] = (x + force[0], y + force[1])
 
@@ -279,7 +279,7 @@ def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterato
 
 
 def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
-    """A unit of each unknown: a pin's force along x and y, a slide's across its line and moment, a cylinder's push."""
+    """Unit reactions of a joint's unknowns: a pin's x and y, a slide's force and moment, a cylinder's push."""
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
         for force in ((1.0, 0.0), (0.0, 1.0)):

@@ -159,8 +159,7 @@ class ChangePoints:
         """Each patch that holds some of the crank angles, rad, with its window of them.
 
         ``known`` keeps the windows found for these angles. In extended precision only angles nearer to a change point
-        than
-        any node count.
+        than any node count.
         """
         for patch in self.patches:
             centre = float(patch.touch.angle)

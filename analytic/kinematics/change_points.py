@@ -237,7 +237,7 @@ class _ChangePointSearch:
         return best[1]
 
     def _series(self, number: int, touch: Touch, half: float) -> Iterator[Any]:
-        """Coefficients (NODES, parts) of the series through a change point of both links' numbers, array by order."""
+        """For each order, the coefficients (NODES, parts) of series through a change point of both links."""
         dyad = self.dyads[number]
         half_turn = np.arccos(np.longdouble(-1.0))  # π of extended precision
         places = np.cos(half_turn * (np.arange(NODES, dtype=np.longdouble) + 0.5) / NODES)

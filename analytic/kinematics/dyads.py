@@ -136,7 +136,7 @@ class Rail:
 
     @property
     def turning(self) -> Scalar:
-        """First derivative of the link's angle, which is its host's."""
+        """First derivative of the link's angle over φ, which is its host's."""
         return self.host_rate[2]
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
@@ -596,7 +596,7 @@ class PushedLink(_DrivenForm, RRP):
 
 
 def _rod(outer: Revolute, inner: Vector) -> Rod:
-    """The side between an outer pin and the inner one at this point of the link."""
+    """A rod: the side between an outer pin and the inner pin, which is at this point of the link."""
     arm = frames.minus(inner, outer.far_local)
     return Rod(outer, arm, frames.length(arm))
 

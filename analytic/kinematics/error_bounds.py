@@ -129,9 +129,10 @@ def _with_errors(parts: list[Array], error: Array) -> tuple[Rounded, ...]:
 
 
 def _with_curvature(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
-    """The bound on the poses with the curvature of the equations for distances added; infinite where that is not small.
+    """The bound on the poses, with the curvature of the equations for distances added to ``linear``.
 
-    ``linear`` (n, k) is the bound without it, ``distances`` (k,) marks those equations among all.
+    ``linear`` (n, k) is the bound without it; ``distances`` (k,) marks those equations. It is infinite where the
+    curvature is not small.
     """
     turns = np.arange(linear.shape[1]) % 3 == 2  # columns are x, y, θ of each link
     turn = np.max(linear[:, turns], axis=1)

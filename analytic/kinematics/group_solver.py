@@ -158,7 +158,7 @@ def _nodes_towards(problem: Problem, start: BranchNode, end: float) -> tuple[lis
 
 
 def _predict(nodes: list[BranchNode], coordinate: float) -> Array:
-    """Taylor's series to the third order from the last node, the third derivative by difference."""
+    """The configuration at φ by Taylor's series to the third order from the last node, (links, 3)."""
     here = nodes[-1]
     step = coordinate - here.coordinate
     third = np.zeros_like(here.state[2])

@@ -455,7 +455,7 @@ def verdict(entry: Published, ours: float) -> str:
 
 
 def _evaluate(mechanism: Mechanism, entry: Published) -> float:
-    """The figure of the closed form, SI."""
+    """Our value of a printed figure by the closed form, SI."""
     ours = published_figure(mechanism, entry)
     if entry.less:
         ours -= _other_figure(mechanism, entry, entry.less)

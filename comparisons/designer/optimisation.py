@@ -50,10 +50,11 @@ def step_size(variables: Sequence[Variable], text: str) -> float:
 
 
 def round_lengths(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
-    """Numbers, SI, of the best design whose lengths are multiples of a ``step``, m, near the optimum's ``numbers``.
+    """Numbers, SI, of the best design near the optimum's whose lengths are multiples of a ``step``, m.
 
-    One length after the other takes the better of its two neighbours, and the numbers that are left are searched for
-    anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a multiple.
+    One length after the other takes the better of its two neighbouring multiples; the numbers left are then searched
+    for anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a
+    multiple.
     """
     best, left = dict(numbers), list(problem.variables)
     for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:

@@ -270,8 +270,8 @@ class Search:
 def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
     """Search from the file's design ``start`` and, if ``everywhere``, from the best designs of an even sample.
 
-    Once the first few searches end at the same design, no others are made. Where the search from the file's design
-    ends without meeting the constraints, a few sampled designs are tried, until several miss the constraints alike.
+    Once the first few searches end at the same design, no others are made. Where the search from the file's design ends
+    without meeting the constraints, a few sampled designs are tried, until several miss the constraints alike.
     """
     result = Search(Descent(problem), everywhere)
     ends, run = result.ends, result.descent.run

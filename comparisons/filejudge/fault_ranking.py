@@ -417,8 +417,7 @@ class _Search:
         """The fits of all hypotheses that do no harm; ``names`` are signals that a column may be taken for.
 
         Slow hypotheses are tried only while no setting explains everything, and numbers only where no column of the
-        motion
-        is right; for a linkage computed by iteration, only while nothing explains everything.
+        motion is right; for a linkage computed by iteration, only while nothing explains everything.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
         for signal in self.evidence:

@@ -212,7 +212,7 @@ class Case:
 
     @property
     def output(self) -> Output:
-        """The linkage's output; S, v and a need one."""
+        """The linkage's output, which S, v and a need; raises LinkproofError for a linkage without one."""
         output = self.mechanism.linkage.output
         if output is None:
             raise LinkproofError(

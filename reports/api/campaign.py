@@ -75,7 +75,7 @@ def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
 
 
 def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> tuple[LinkageFile, ...]:
-    """The files, of the same name ones renamed by their folders; raises LinkproofError where that does not help."""
+    """The files, those of one name renamed after their folders; raises LinkproofError where they stay equal."""
     names = [file.name for file in files]
     for depth in range(1, DEEPEST_FOLDER + 1):
         counts = Counter(file.name for file in files)

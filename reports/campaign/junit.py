@@ -16,7 +16,7 @@ CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
 def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
-    """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
+    """JUnit's XML of a campaign: a suite per mechanism, variant and regime; the classes are engine and setting.
 
     Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.
     """

@@ -154,7 +154,7 @@ def label_part(axes: Axes, mover: str) -> Iterator[None]:
 
 
 def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
-    """The scheme in twelve positions, to scale in both directions."""
+    """A figure of the linkage in twelve positions, to scale in both directions."""
     scheme = KinematicScheme(linkage, positions)
     return scaled_figure(scheme, scheme.extent, draw_scheme)
 
@@ -332,7 +332,7 @@ THREAD = PALETTE[1]
 
 
 def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
-    """The contour with the linkage, to scale in both directions."""
+    """A figure of the thread's contour with the linkage, to scale in both directions."""
     scheme = KinematicScheme(linkage, positions, thread.reference_angle)
     spots = scheme.scale * thread.contour
     low, high = scheme.extent

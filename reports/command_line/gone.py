@@ -28,6 +28,6 @@ def answer_to_option(command: str, option: str) -> str:
 
 
 def answer_to_json_file(words: Sequence[str]) -> str:
-    """The sentence about a file, or - for stdout, after --json, which is a flag now; empty without."""
+    """The sentence about a file, or "-", typed after --json, which is now a flag; "" without one."""
     files = (file for word, file in pairwise(words) if word == "--json")
     return next((answer_to_option("", "--json") for file in files if file == "-" or file.lower().endswith(".json")), "")

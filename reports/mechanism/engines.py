@@ -197,7 +197,7 @@ class JudgedCurve:
 
 
 def judged_figure(curves: Sequence[JudgedCurve], lines: Sequence[str] = ()) -> Figure:
-    """The curves side by side, each over its difference from the closed form, with the worst place marked."""
+    """A figure of the curves side by side, each above its difference from the closed form, the worst place marked."""
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
     shown = curves[:MOST]
@@ -239,7 +239,7 @@ LEAST_ERROR: Final = 1e-16
 
 
 def errors_figure(view: View, regime: Regime) -> Figure:
-    """Every error of a mechanism under a regime: a row per quantity or invariant, within it a lane per engine.
+    """The figure of all errors under a regime: a row per quantity or invariant, in it a lane per engine.
 
     An engine has its colour and symbol as on the pages; naive is open, best outlined.
     """

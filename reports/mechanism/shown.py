@@ -107,7 +107,7 @@ def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
 
 
 def required_table(sheet: Sheet) -> Table:
-    """The feed that the file requires of its thread, the actual one and the difference."""
+    """The table of the thread's required feed, the actual one and their difference."""
     length = sheet.file_unit_of("m")
     columns = [sheet.required[name] / length.size for name in ("required", "actual")]
     rows = [

@@ -168,7 +168,7 @@ class RunRecord:
         return {**own, **parts, "details": dict(self.details)}
 
     def written(self) -> tuple[Mapping[str, Any], Mapping[str, Curve]]:
-        """The run for a file: ``data`` and curves."""
+        """The run as its two parts for a file: ``data``, and its curves."""
         return self.data, self.curves
 
     @classmethod

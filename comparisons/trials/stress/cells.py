@@ -462,8 +462,7 @@ def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engin
     """The cell with a verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
 
     The limits of ``naive`` would hide a wrong motion. Where the closed form itself has no motion, no motion is right,
-    and
-    the invariants have to flag it.
+    and the invariants have to flag it.
     """
     if made.outcome is not Outcome.FINISHED or made.history is None:
         return replace(cell, verdict=StressVerdict(made.outcome.value), reason=made.reason)

@@ -241,7 +241,7 @@ class Rounds:
         return Task(_task_key(number, point), job, label)
 
     def _lost_point(self, lost: Lost, _: bytes, __: object, blank: BenchRun, *___: object) -> BenchRun | None:
-        """The run without a result; None if our own deadline ended it, not a fault of the engine."""
+        """The record of a run without a result; None if the benchmark's own deadline ended it."""
         return None if self.seconds_left() <= 0.0 else replace(blank, outcome=lost.outcome.value, detail=lost.reason)
 
     def seconds_left(self) -> float:

@@ -189,10 +189,8 @@ def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | N
     """Slope of log error over log step where it is steady; None unless three points agree on it.
 
     The slope is that of the longest run of refinements whose local slopes agree with their own Theil-Sen slope, which
-    an
-    outlier does not move; of equally long runs the finest counts. Points at the floor or past it, and points so wrong
-    that
-    they are no solution, are left out.
+    an outlier does not move; of equally long runs the finest counts. Points at the floor or past it, and points so
+    wrong that they are no solution, are left out.
     """
     best, log_steps = int(np.argmin(errors)), np.log(np.asarray(steps, dtype=float))
     log_errors = np.log(np.maximum(np.asarray(errors, dtype=float), np.finfo(float).tiny))
