@@ -119,7 +119,10 @@ def stand_in(name: str, error: BaseException) -> Unusable:
 
 
 def why_unavailable(adapter: Engine) -> str | None:
-    """Why an engine cannot be used here, in one sentence with the cure, None where it can; nothing is imported."""
+    """The reason, in one sentence with the cure, why an engine cannot be used here; None where it can.
+
+    Nothing is imported. Raises PluginError for an adapter whose own answer is no text.
+    """
     words = getattr(adapter, "why_unavailable", None)
     if words is not None:
         reason: str | None = words()

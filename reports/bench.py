@@ -152,7 +152,7 @@ def failed_methods(points: DataFrame) -> tuple[str, ...]:
 
 
 def overhead_words(record: Row) -> str:
-    """The adapter's own share of the stepping in words; "" where it is not known."""
+    """The adapter's own share of the stepping as text, in per cent; a dash where it is not known."""
     return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
 
 

@@ -33,7 +33,7 @@ class TimeLaw:
     torque: Annotated[tuple[float, ...], Kind.DRIVE]
 
     def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
-        """The torque at each time, s, in N m; shape of ``time``."""
+        """The drive's torque, N m, or force, N, at each time, s; shape of ``time``."""
         return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.torque))
 
 

@@ -94,7 +94,7 @@ class Rod:
         return (self.base_second[0] - square * self.r[0], self.base_second[1] - square * self.r[1])
 
     def second(self, link: Pose, slope: Scalar) -> Rate:
-        """Second derivative of the link's pose; ``slope`` is x'."""
+        """Second derivative of the link's pose over φ; ``slope`` is that of its angle."""
         return frames.acceleration_through(link, self.base_second, self.x, slope, self.far)
 
 

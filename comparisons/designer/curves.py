@@ -115,7 +115,7 @@ class Instants:
         return np.clip(times, 0.0, duration)
 
     def times_of_angles(self, angles: Array, unit: str, size: float) -> Array:
-        """The instants at which the crank first passes these angles, in ``unit`` of ``size``.
+        """The instants, s, (n,), at which the crank first passes these angles, given in a ``unit`` of a ``size``, SI.
 
         Raises LinkproofError for an angle that it does not pass.
         """

@@ -391,17 +391,17 @@ class ToleranceStudy:
 
     @property
     def mean(self) -> Array:
-        """Mean of the random designs (results,)."""
+        """Mean of the results of random designs that assemble, (results,), SI."""
         return np.asarray(np.mean(self.random[:, self._is_assembled], axis=1))
 
     @property
     def deviation(self) -> Array:
-        """Standard deviation of the random designs (results,)."""
+        """Standard deviation of the results of random designs that assemble, (results,), SI."""
         return np.asarray(np.std(self.random[:, self._is_assembled], axis=1, ddof=1))
 
     @property
     def quantiles(self) -> Array:
-        """The 0.135 % and 99.865 % quantiles of the random designs (results, 2)."""
+        """The 0.135 % and 99.865 % quantiles of random designs that assemble, (results, 2), SI."""
         return np.asarray(np.quantile(self.random[:, self._is_assembled], QUANTILES, axis=1).T)
 
     @property

@@ -282,7 +282,7 @@ def _fit_with_time(samples: _Samples, family: str, time: float) -> KnownFit:
 
 
 def _splines(samples: _Samples, start_angle: float) -> ColumnMotion:
-    """The motion as a spline, with those of other columns that would be printed the same."""
+    """The motion as a spline, with corners of the acceleration if these suffice, and those of the trial columns."""
     noise = samples.rounding
     if len(samples.time) > MANY_SAMPLES:  # of a smooth column so finely sampled these differences are its noise
         differences = float(np.median(np.abs(np.diff(samples.values, 6))))

@@ -96,7 +96,7 @@ def _name_key(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def header_words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
-    """The words of a header, each with its possible meanings; {} for an unknown word.
+    """The words of a header, each with its possible meanings; an unknown word has an empty set.
 
     Numbers that belong to no name are left out, and words that change nothing.
     """

@@ -180,7 +180,7 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
 
 
 def _single_samples(evidence: Evidence) -> Iterator[Hypothesis]:
-    """Single samples that are off, by their sign or in any way."""
+    """The fault that a few single samples have the other sign or are off; nothing if they are none or many."""
     name, values = evidence.name, evidence.values
     apart = np.abs(values - evidence.truth)
     stray = (apart > 5.0 * evidence.tolerance + 1e-3 * evidence.scale) & evidence.counted | evidence.over

@@ -99,9 +99,10 @@ def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
 
 
 def read_text(path: Path, encoding: str = "", expected: str = EXPECTED) -> ResultText:
-    """The text of a file: UTF-8, UTF-16 with its mark, or the ``encoding`` that the user names.
+    """The text of a file in UTF-8, UTF-16 with its mark, or the ``encoding`` that the user names.
 
-    Raises LinkproofError if it is none.
+    Line ends become line feeds, and typographic signs plain ones. Raises LinkproofError for other bytes and for a
+    binary file.
     """
     content, name = read_file(path, expected, LARGEST), printable(str(path))
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))

@@ -63,7 +63,7 @@ class ObservedMotion:
         return signal
 
     def has(self, channel: Channel) -> bool:
-        """Whether a channel was recorded; always for a free crank's torque."""
+        """Whether a channel was recorded; a free crank's torque is known wherever its acceleration is."""
         if channel is Channel.JOINT_FORCE:
             return bool(self.history.joint_force)
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):

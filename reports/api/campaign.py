@@ -206,7 +206,7 @@ def rows_before(place: Path) -> list[Error]:
 
 
 def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTable:
-    """The limits for results; raises LinkproofError for unknown names in them."""
+    """The limits of a user's file before the suite's, or the suite's alone; raises LinkproofError for unknown names."""
     if limits is None:
         return shipped_limits()
     chosen = read_limits(limits)

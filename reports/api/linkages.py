@@ -49,7 +49,7 @@ def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: boo
 
 
 def word_of(given: LinkageLike) -> str:
-    """The word by which a command names a linkage: the path or name as given, or its name."""
+    """The word by which a command names a linkage: the path or name as given, its name, or a mapping's title."""
     if isinstance(given, Mapping):
         return str(given.get("title", "linkage"))
     return given.name if isinstance(given, Linkage) else str(given)

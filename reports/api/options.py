@@ -349,7 +349,7 @@ class ResultsFiles:
     ] = None
 
     def check(self, output: OutputOptions) -> None:
-        """Raise LinkproofError for options of files that do not go together."""
+        """Raise LinkproofError for a wrong --decimal, and for --decimal or --figure without a file that takes it."""
         suffixes = {file.suffix.lower() for file in output.save}
         if self.decimal not in {".", ","}:
             raise LinkproofError(

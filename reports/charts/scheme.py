@@ -36,7 +36,7 @@ class KinematicScheme:
 
     @cached_property
     def scale(self) -> float:
-        """Length, in the drawing's unit, of one metre."""
+        """Length, in the drawing's unit, which is the file's unit of length, of one metre."""
         return 1.0 / file_unit("m", self.linkage).size
 
     @property
@@ -46,7 +46,7 @@ class KinematicScheme:
         return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
 
     def path(self, body: str, locals_: Iterable[ArrayLike]) -> Array:
-        """Points of a body, given in its frame, m, over all positions, (points, 2, n)."""
+        """Points of a body, given in its frame, m, over all positions, (points, 2, n), in the drawing's unit."""
         x, y, angle = self.positions.bodies.get(body, np.zeros((3, len(self.positions.axis))))
         u, v = np.array(list(locals_), dtype=float).reshape(-1, 2, 1).swapaxes(0, 1)
         c, s = np.cos(angle), np.sin(angle)
@@ -76,12 +76,12 @@ class KinematicScheme:
 
     @cached_property
     def paths(self) -> dict[str, Array]:
-        """Every named point over all positions, (2, n), m."""
+        """Every named point over all positions, (2, n), in the drawing's unit, the file's of length."""
         return {p: self.path(b, [self.linkage.local(p, b)])[0] for p, b in sorted(self.carriers.items())}
 
     @cached_property
     def spots(self) -> dict[str, Array]:
-        """Every named point in the position drawn out, (2,), m."""
+        """Every named point in the position drawn out, (2,), in the drawing's unit, the file's of length."""
         return {point: self.at(path) for point, path in self.paths.items()}
 
     @cached_property
@@ -118,7 +118,7 @@ class KinematicScheme:
 
     @cached_property
     def stretches(self) -> dict[str, Array]:
-        """Both ends of every spring, damper and cylinder, by its name, over all positions, (2, 2, n), m."""
+        """Both ends of every spring, damper and cylinder, by name, over all positions, (2, 2, n), drawing's unit."""
         between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
         both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
         return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])
@@ -127,7 +127,7 @@ class KinematicScheme:
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:
-        """Lowest and highest x and y ever reached."""
+        """Lowest and highest x and y ever reached, in the drawing's unit."""
         spots = np.concatenate([path.T for path in self.paths.values()])
         return spots.min(axis=0), spots.max(axis=0)
 
@@ -188,7 +188,7 @@ def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> No
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw all positions faintly and one in full; ``size``, m, is a pin's radius. Sets no limits of the axes."""
+    """Draw all positions faintly and one in full; ``size`` is a pin's radius. Sets no limits of the axes."""
     _ghosts(axes, scheme)
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size)
@@ -297,7 +297,7 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
-    """Write the points' names on the side that no link leaves from; returns their places, (names, 2), m."""
+    """Write the points' names on the side that no link leaves from; returns their places in the drawing, (names, 2)."""
     places = []
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():

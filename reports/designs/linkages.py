@@ -134,7 +134,7 @@ class Check(Study):
         return self.fault is None
 
     def failures(self) -> Sequence[str]:
-        """The linkage's fault, if any, as the only member."""
+        """The linkage's fault as the only member."""
         return [str(self.fault)]
 
     def sentence(self) -> Printed:

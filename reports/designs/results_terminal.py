@@ -119,9 +119,10 @@ def columns(sheet: Sheet) -> dict[str, Array]:
 
 
 def csv_table(sheet: Sheet, decimal: str = ".") -> str:
-    """A column each. With a decimal comma semicolons separate them, and a byte-order mark makes Excel read UTF-8.
+    """The sheet as CSV text, a column for each signal.
 
-    The mark is what makes a spreadsheet of a country with decimal commas show ° and φ as they are.
+    With a decimal comma, semicolons separate the cells, and a byte-order mark makes a spreadsheet read UTF-8, so that
+    it shows ° and φ as they are.
     """
     text, table = io.StringIO(), columns(sheet)
     has_comma = decimal == ","

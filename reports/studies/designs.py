@@ -175,7 +175,7 @@ class Optimisation(Study):
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """The command by which an engine checks the new design; "" unless it was saved."""
+        """A sentence with the command by which an engine checks the new design."""
         file = next((str(file) for file in saved if file.suffix.lower() == ".toml"), None)
         first = "" if file else "--save best.toml writes the new file; "
         command = shlex.join(["linkproof", "compare", file or "best.toml", *self.check_options])

@@ -223,7 +223,7 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """φ, its speed or acceleration (order 0, 1, 2), prescribed by the drive, or a released driver's own."""
+        """φ, its speed or acceleration (order 0, 1, 2), rad or units, by the drive; a released driver's own."""
         drive = self.equations.scene.drive
         scale = self.equations.driver.scale
         if isinstance(drive, Prescribed):
