@@ -67,7 +67,7 @@ def symbol(name: str) -> str:
 
 
 def install_words(extra: str) -> str:
-    """The command that brings an extra to this installation: of its checkout, or its file, if it came from one."""
+    """The command that installs an extra into this installation, be it from an index, a file or a checkout."""
     import json  # noqa: PLC0415 - an error is rare
     from importlib import metadata  # noqa: PLC0415
     from urllib.parse import unquote, urlsplit  # noqa: PLC0415
@@ -98,7 +98,7 @@ class UnknownNameError(LinkproofError):
 
 
 def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
-    """The known names that a name is the beginning or a misspelling of, the nearest first."""
+    """Those known names that begin with a name or are close to it in spelling, the nearest first."""
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:
         return begun

@@ -76,13 +76,13 @@ class OperationList:
         self._plans: dict[object, list[tuple[int, Operation, list[int]]]] = {}
 
     def input(self, name: Hashable) -> Traced:
-        """A number that is given from outside, always the same for one name."""
+        """The traced number of an input by name, which is added to the list if it is new."""
         if name not in self.inputs:
             self.inputs[name] = self._add_operation(Operation(INPUT, (len(self.inputs),)))
         return Traced(self, self.inputs[name])
 
     def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
-        """The line of a number of this trace, or of a constant."""
+        """The line that holds a traced number of this list or a constant."""
         return (
             number.line if isinstance(number, Traced) else self._add_operation(Operation(CONSTANT, (), float(number)))
         )
@@ -179,7 +179,7 @@ class OperationList:
         return result
 
     def _pass_back(self, line: int, slopes: dict[int, Any], values: Mapping[int, Any], moved: Collection[int]) -> None:
-        """Hand the slope of a line on to the lines that it takes."""
+        """Add to ``slopes`` the parts of a line's slope that belong to its operands."""
         row, slope = self.operations[line], slopes.pop(line)
         arguments = [values[other] for other in row.operands]
         with np.errstate(all="ignore"):
@@ -215,7 +215,7 @@ class Traced(NDArrayOperatorsMixin):
         raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
 
     def looked_up(self, law: Law, order: int) -> list[Traced]:
-        """Components of a law of this number, or of its derivative of an order.
+        """Components of a law at this number, or of its derivative of an order.
 
         Of φ they are inputs, (law, order, component); of S, which the list computes, they are computed by it, too.
         """
@@ -424,7 +424,7 @@ class Result(NamedTuple):
 
 
 def sines_and_cosines(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
-    """The lines of sines and cosines of numbers of the lanes, which are computed before the rows."""
+    """The lines of sines and cosines of lanes' numbers, computed once before the rows."""
     rows = trace.operations
     needed = trace.lines_needed([result.line for result in results], lanes)
     return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]

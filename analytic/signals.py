@@ -348,7 +348,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 
 @once_per_mechanism
 def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
-    """Every signal of a mechanism by name."""
+    """Every signal of a mechanism by name, with its unit and formula."""
     linkage, signals = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
     if loaded:
@@ -386,7 +386,7 @@ def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[st
 
 
 def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
-    """Signals by name of every component of every part (a point, a link, a joint) of a kind."""
+    """The signals of a kind, by name: every component of each of its parts (points, links, joints)."""
     is_place = kind != "joint_force"
     return {
         f"{kind}:{part}:{component}": NamedSignal(

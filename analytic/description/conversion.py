@@ -99,7 +99,7 @@ def _bodies_of_load(
 
 
 def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Spring:
-    """A spring with its dashpot in SI units."""
+    """A spring with its dashpot, SI, from its table."""
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where, PAIR) for point, link in ends)
     if first == second:
@@ -198,7 +198,7 @@ def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
 
 
 def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``from`` and ``to``, and its conditions in words."""
+    """The motion of a regime with ``from`` and ``to``, rad or m, and its conditions in words."""
     start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins")
     end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends")
     law, dwell, back = table.law or USUAL_LAW, table.dwell or 0.0, bool(table.back)
@@ -256,7 +256,7 @@ def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
 
 
 def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> ReleasedRegime:
-    """The regime of a released crank in SI units."""
+    """The regime of a released crank, SI, from its table; raises DescriptionError."""
     start = _required(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit")
     duration = _required(reader, table.duration, f"{where}.duration", "a positive finite time in s")
     torque, over_angle, over_time = _regime_torque(reader, table, where)
@@ -286,7 +286,7 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
 
 
 def _time_law(reader: Reader, values: list[float], times: float | list[float] | None, where: str) -> TimeLaw:
-    """The crank's torque over time, in SI units: straight lines between its values."""
+    """The torque over time, N m and s, from values joined by straight lines; raises DescriptionError."""
     if not isinstance(times, list) or len(times) != len(values) or len(times) < 2:
         count = len(times) if isinstance(times, list) else 1
         raise reader.fail(
@@ -365,7 +365,7 @@ def _thread(reader: Reader) -> ThreadPath | None:
 
 
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
-    """A stop of the thread in m: a guide in space, or an eye on a link."""
+    """A stop of the thread from its table, m: a guide in space, or an eye on a link."""
     if (stop.guide is None) == (stop.eye is None):
         raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
     if stop.eye is not None:
@@ -382,7 +382,7 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
 
 
 def _link(reader: Reader, name: str) -> lk.Link:
-    """A moving link in SI units; a massless one that turns has the inertia 0."""
+    """A moving link, SI, from its table; one that turns without mass has the inertia 0."""
     where = f"links.{name}"
     table = reader.document.links[name]
     points = {key: position(place) for key, place in sorted(reader.points(name).items())}

@@ -34,7 +34,7 @@ class Source:
     variant: str | None = None
 
     def fault(self, message: str) -> DescriptionError:
-        """The error to raise about this file; the message begins with the key at fault."""
+        """The DescriptionError about this file, to be raised; the message begins with the key at fault."""
         return DescriptionError(self.place(message))
 
     def line(self, keys: Sequence[str]) -> int:
@@ -49,11 +49,11 @@ class Source:
         return 1
 
     def at(self, keys: Sequence[str]) -> str:
-        """File, line and key, to begin a message with."""
+        """File, line and key as text, with which a message begins."""
         return f"{self.name}:{self.line(keys)}: {readable(keys)}"
 
     def place(self, message: str) -> str:
-        """A message that begins with a key (``links.rod.mass: ...``), put behind the name of the file and the line."""
+        """A message that begins with a key (``links.rod.mass: ...``), with file name and line put before it."""
         path, colon, rest = message.partition(": ")
         missing = WITHOUT if path.endswith(WITHOUT) else ""
         return f"{self.at(path.removesuffix(WITHOUT).split('.'))}{missing}{colon}{rest}"
@@ -96,7 +96,7 @@ NO_KEYS: Final[Mapping[str, str]] = {
 
 
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
-    """The first fault of a document, which the ``model`` describes."""
+    """The first fault of a document as one sentence; ``model`` describes the document."""
     fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden" and keys[-1] in NO_KEYS:
@@ -142,7 +142,7 @@ def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[Bas
 
 
 def shown(value: object) -> str:
-    """A value as the file has it, cut short, for a message."""
+    """A value as the file has it, cut short, as text for a message."""
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_NUMBER:
         return f"a number of {value.bit_length()} bits"
     return shortened(
@@ -171,7 +171,7 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
 
 
 def line_of(text: str, keys: Sequence[str | int]) -> int:
-    """The line of a TOML text in which a key, a table's header or an element of a list stands.
+    """The line, from 1, of a TOML text that has a key, a table's header or an element of a list.
 
     The line of a table without a header is that of its first key.
     """

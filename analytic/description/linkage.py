@@ -36,7 +36,7 @@ Direction = Annotated[Vector, Kind.DIRECTION]  # a unit vector
 
 
 def rotate(vector: Vector, turn: Vector) -> Vector:
-    """Turn a plane vector by an angle given as (cos, sin)."""
+    """A plane vector turned by an angle that is given as (cos, sin)."""
     return (vector[0] * turn[0] - vector[1] * turn[1], vector[0] * turn[1] + vector[1] * turn[0])
 
 
@@ -97,7 +97,7 @@ class DriverCoordinate:
 
 
 def driver_coordinate(driver: DriverKind, length: str) -> DriverCoordinate:
-    """The coordinate of a kind of driver, in a file with this unit of length."""
+    """The description of φ for a kind of driver, in a file with this unit of length."""
     if driver is DriverKind.CRANK:
         return DriverCoordinate(driver, FileUnit("°", math.radians(1.0)), FileUnit("rpm", RPM))
     size = factor("length", length)
@@ -398,7 +398,7 @@ class Linkage:
         return f"<Linkage: {self.name} ({self.variant}): {self.title}>"
 
     def _repr_html_(self) -> str:
-        """Title, source and links for a notebook."""
+        """Title, source and links as HTML for a notebook."""
         words = [(name, f"{link.mass:g} kg", ", ".join(link.points)) for name, link in self.links.items()]
         rows = ("".join(f"<td>{escape(word)}</td>" for word in row) for row in words)
         head = "<tr><th>link</th><th>mass</th><th>points</th></tr>"
@@ -406,7 +406,7 @@ class Linkage:
         return f"<p>{escape(repr(self)[1:-1])}; {escape(self.source)}</p><table>{head}{table}</table>"
 
     def plot(self) -> Any:  # noqa: ANN401 - a figure of matplotlib
-        """The scheme in twelve positions of its range, as a figure of matplotlib."""
+        """A figure of matplotlib with the scheme in twelve positions of its range."""
         if Linkage.drawing is None:
             raise LinkproofError("a linkage is drawn by the package linkproof: import that first")
         return Linkage.drawing(self)
@@ -491,7 +491,7 @@ class Linkage:
         return self.is_massless and not any(getattr(self, kind) for kind in LOADS)
 
     def written(self, length: float) -> str:
-        """A length, m, in words for a reader: in the unit of the linkage's file."""
+        """A length, given in m, as text in the unit of the linkage's file."""
         unit = self.units.get("length", "m")
         return f"{length / factor('length', unit):z.4g} {unit}"
 

@@ -148,7 +148,7 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
 def document(
     text: str, name: str, origin: str, variant: str | None = None
 ) -> tuple[dict[str, Any], tuple[str, ...], Source]:
-    """A file's text as nested dictionaries, the variant in its place, with the names of all variants.
+    """A file's text as nested dictionaries, a variant laid over it; with the names of all variants, and the source.
 
     Raises as ``parse`` does, except for faults that only the whole linkage shows.
     """
@@ -255,7 +255,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 def read_document(path: Path, what: str, model: type[M]) -> M:
-    """A TOML file other than a linkage's, as its ``model`` has it; ``what`` is expected at its path, in words.
+    """A TOML file as an object of ``model``; ``what`` it should be is named in words for the error.
 
     Raises LinkproofError with the path, or DescriptionError with file, line and key.
     """
@@ -322,7 +322,7 @@ def _with_variant(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str,
 
 
 def validated(raw: Mapping[str, Any], source: Source) -> Document:
-    """The document of nested dictionaries; raises DescriptionError."""
+    """The nested dictionaries, checked, as a Document; raises DescriptionError."""
     try:
         return Document.model_validate(raw)
     except ValidationError as error:
@@ -343,7 +343,7 @@ MOST_NAMED: Final = 12  # changed numbers in the first line
 
 
 def with_variant_written(text: str, name: str, variant: str | None) -> str:
-    """A linkage file's text with the numbers of a variant as its own values, defaults written in it too.
+    """The text of a linkage file with a variant's numbers, and all defaults, written as its own values.
 
     Printed figures, which belong to the file as it was, are left out. Raises as ``rewritten`` does.
     """
@@ -468,7 +468,7 @@ def _first_line(name: str, variant: str, sentences: list[str]) -> str:
 
 
 def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
-    """The file with the values ``raw``, its text changed as little as possible; written afresh where that fails."""
+    """The file's text changed as little as possible to the values ``raw``; written afresh where that fails."""
     import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
     from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
 

@@ -48,7 +48,7 @@ class Reader:
         return self.document.units.model_dump()
 
     def direction(self, pair: tuple[float, float], where: str) -> Vector:
-        """A unit vector; its given length does not matter."""
+        """A direction as a unit vector; raises DescriptionError for one without length."""
         if pair == (0.0, 0.0):
             raise self.fail(f"{where}.along: expected a direction [x, y], got [0, 0]; give a vector along the line")
         largest = max(abs(pair[0]), abs(pair[1]))
@@ -150,7 +150,7 @@ def _si_values(reader: Reader) -> dict[Keys, float]:
 def interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], where: str
 ) -> Law:
-    """The law of a force or torque, by a spline or by straight lines as the table says."""
+    """The law of a force or torque, SI, by a spline or by straight lines as its table says."""
     is_over_travel = table.over == "S"
     if (is_over_travel or table.when) and (reader.phi.is_linear or reader.document.output is None):
         key = "over" if is_over_travel else "when"
@@ -194,7 +194,10 @@ def law_over_angle(
     *,
     period: float | None = FULL_TURN,
 ) -> Law:
-    """The law through rows of components; one row without angles is a constant. Without a period it is of a travel."""
+    """The law through rows of components at ``angles``; one row without angles is a constant.
+
+    With ``period`` None the law is over a travel, in m.
+    """
     table = np.array(rows, dtype=float)
     if angles is None:
         if len(table) != 1:

@@ -23,7 +23,7 @@ class Kind(StrEnum):
     exponents: tuple[int, int, int]
 
     def __new__(cls, name: str, si: str, *exponents: int) -> Kind:
-        """A member by its name, which is also that of its unit in a file's [units]."""
+        """Make a member from its name, which also names its unit in a file's [units], SI unit and exponents."""
         kind = str.__new__(cls, name)
         kind._value_, kind.si, kind.exponents = name, si, (exponents[0], exponents[1], exponents[2])
         return kind
@@ -51,11 +51,11 @@ class Kind(StrEnum):
 
     @property
     def unit(self) -> str:
-        """The SI unit as files write it."""
+        """The SI unit of the kind, spelt as in files."""
         return self.si.replace(" ", "*").replace("²", "^2")
 
     def of_driver(self, *, is_linear: bool) -> Kind:
-        """The kind of a number of the driver, an angle and a torque, or a length and a force; any other itself."""
+        """The kind that a number of the driver has: an angle and torque, or length and force; other kinds unchanged."""
         turning, pushed = OF_DRIVERS.get(self, (self, self))
         return pushed if is_linear else turning
 

@@ -28,7 +28,7 @@ class Number(NamedTuple):
 
 
 def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Number]:  # noqa: ANN401 - any part
-    """Every number of a part, in the order of its fields; ``kind`` is that of the part's own field, if that has one."""
+    """Every number of a part with its path and kind, in the order of fields; ``kind`` is that of the part's field."""
     if isinstance(part, tuple | list | Mapping):
         for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
             if isinstance(inner, float) and kind is not None:
@@ -66,13 +66,13 @@ def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None)
 
 
 def _rows(law: Law) -> dict[str | int, tuple[float, ...]]:
-    """The values of a load's law row by row, and its angles."""
+    """The values of a load's law by row, and its angles."""
     rows: dict[str | int, tuple[float, ...]] = dict(enumerate(map(tuple, np.atleast_2d(law.values).tolist())))
     return rows if law.angles is None else {**rows, ANGLES: tuple(law.angles.tolist())}
 
 
 def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
-    """A load's law with other rows and angles."""
+    """A load's law with these rows and angles in place of its own."""
     angles = np.array(rows.pop(ANGLES)) if law.angles is not None else None
     flat = tuple(value for row in rows.values() for value in row)
     if not all(isinstance(value, float | int) for value in flat):

@@ -54,7 +54,7 @@ def is_exact(mechanism: Mechanism) -> bool:
 def signal_values(
     mechanism: Mechanism, parameters: Mapping[str, float], signals: Sequence[str], angle: Array, *, speed: float
 ) -> Array:
-    """Signals of one design (signals, angles), SI, as ``signal_gradients`` has them.
+    """Signals of one design (signals, angles), SI; arguments as for ``signal_gradients``.
 
     Raises AssemblyError where the design cannot be assembled.
     """
@@ -224,7 +224,7 @@ class _Design:
     def _moved(
         self, listed: LinkageTrace, signals: Sequence[str], places: Array, ways: Sequence[dict[int, Any]], zero: Curve
     ) -> list[Curve]:
-        """Signals with their derivatives in some ways: of each the change of the inputs by their lines."""
+        """Signals, each with its changes in some ``ways``, each a mapping of changes of inputs by line."""
         moving = {line for way in ways for line in way}
         rows = listed.trace.differentiated(listed.signals, self._input_values(listed, places), moving)
         result = []
@@ -271,7 +271,7 @@ class _Design:
 
     @property
     def _zero_of_s(self) -> Curve:
-        """The output's coordinate at the top dead centre, m, from which loads over S count, with its derivatives."""
+        """The output's top coordinate, m, from which loads over S count, and its derivatives."""
         known, key = _zeros_of_s(self.mechanism), tuple(self.parameters.items())
         if key not in known:
             if len(known) >= MOST_ZEROS:
@@ -340,7 +340,7 @@ class _Design:
     def _find_tops(
         self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
     ) -> tuple[Integers, Array]:
-        """The tops of all extremes' heights: number of the extreme, and angle, rad; sampled ones without ``refine``."""
+        """The tops of all extremes' heights, as number of the extreme and angle, rad; sampled without ``refine``."""
         if not refine:
             return np.arange(len(extremes)), grid[np.argmax(sampled, axis=1)]
         sampled_tops = tops(sampled)
@@ -401,7 +401,7 @@ def _highest_top(
 
 
 def _with_period_end(places: Array, period: float) -> Array:
-    """Crank angles that divide a period evenly with its end added; others as they are."""
+    """Crank angles, rad, with the period's end added if they divide it evenly; others unchanged."""
     return np.append(places, places[0] + period) if is_turn(places, period) else places
 
 

@@ -58,7 +58,7 @@ class FigureRequest:
 
     @property
     def grid(self) -> Array:
-        """The crank angles with the end of the period."""
+        """The crank angles, rad, with the end of the period added."""
         return (
             self.crank_angles
             if self.period is None
@@ -71,7 +71,7 @@ class FigureRequest:
         return tuple(dict.fromkeys(sampled_source(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
-        """The designs that differ in ``arrays`` (designs,) of numbers by name."""
+        """The designs whose numbers, by name, are the arrays (designs,)."""
         poses = len(next(iter(arrays.values()))) * len(self.crank_angles)
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
@@ -214,7 +214,7 @@ class _Chunk:
                 result[row, here] = figure.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
-        """Signals of some of the designs at crank angles, (designs, angles), and where these are too far apart."""
+        """Signals of the designs ``here`` at crank angles (designs, angles), and which steps between are too coarse."""
         names = list(names)
         if "S" in names and not self.request.refine:
             self.farthest[here] = np.max(self._curves(here, phi, [OUTPUT_COORDINATE])[0][OUTPUT_COORDINATE], axis=1)
@@ -290,7 +290,7 @@ class _Chunk:
         return values
 
     def _enter_tops(self, extremes: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
-        """Enter the sampled tops of some designs that may exceed their largest values so far."""
+        """Put those sampled tops of the designs ``here`` into ``extremes`` that may exceed the largest so far."""
         for extreme, parts in extremes.items():
             values = sampled[extreme.signal]
             all_heights = extreme.height(values)
@@ -302,7 +302,7 @@ class _Chunk:
             parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), side))
 
     def _true_extreme(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
-        """The true extreme of a signal of every design, (designs,)."""
+        """The extreme of a signal of every design, refined between the samples, (designs,)."""
         result = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         sides = np.concatenate([part.sides for part in parts])
         near = extreme.value(np.max(result.heights, axis=1), sides)
@@ -336,9 +336,9 @@ def mean_cells(grid: Array, mechanism: Mechanism) -> Array:
 
 
 def unwrapped_near(values: Array, phi: Array, places: Array, samples: Array | None) -> Array:
-    """Values at ``phi`` (..., n) with whole turns added, as the unwrapped ``samples`` at ``places`` have them.
+    """Values at ``phi`` (..., n) with the whole turns that ``samples`` at ``places`` show.
 
-    Without ``samples``, for signals that are no angles of links, the values as they are.
+    Without ``samples``, for signals that are no angles of links, the values are unchanged.
     """
     if samples is None:
         return values

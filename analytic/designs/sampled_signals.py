@@ -118,7 +118,7 @@ class Designs:
         in_threads(part, range(0, self.count, size if self.trace else 1))
 
     def _traced_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of some designs, computed from the list of operations."""
+        """Samples of the designs ``rows`` at ``phi``, computed from the list of operations."""
         trace = self.trace
         assert trace is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
@@ -197,7 +197,7 @@ class Designs:
             return None
 
     def _swept_samples(self, design: Mechanism, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of one design, the same at every row of the crank angles."""
+        """Samples of one design, posed by its mechanism, at ``phi``, of which all rows are equal."""
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults, zero_of_s=design.zero_of_s)
         for body in design.structure.bodies if self.all_groups else ():

@@ -138,7 +138,7 @@ def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArr
 
 
 def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
-    """Forces of the joints with friction, (2, m, n)."""
+    """Forces of the joints with friction, ``free`` + ``slopes`` · frictions, as x and y, (2, m, n)."""
     return np.moveaxis(free + np.einsum("jkcn,kn->jcn", slopes, frictions), 1, 0)
 
 

@@ -300,7 +300,7 @@ def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
 
 
 def _combined_wrench(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
-    """The wrench of a joint on its far body: unit reactions times their sizes, added up."""
+    """The wrench of a joint on its far body, as the sum of unit reactions times their sizes."""
     x = sum(size * unit.far[0] for size, unit in shares)
     y = sum(size * unit.far[1] for size, unit in shares)
     moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)
@@ -329,7 +329,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 
 
 def reactions_to(sweep: Sweep, loads: Iterable[Load]) -> Reactions:
-    """Forces of all joints that hold loads on the links.
+    """Forces of all joints, N, and the drive's share, that hold these loads on the links.
 
     Raises AssemblyError where the linkage cannot be put together or stands in a dead position. Beside a change point
     that the linkage passes forces grow as the reciprocal of the distance, unless nothing loads the group; at the point

@@ -68,7 +68,7 @@ def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Loa
 
 
 def external_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
-    """Weights, inertia forces, forces at points and torques on links: loads without a reaction on the linkage."""
+    """Loads without a reaction on the linkage: weights, inertia forces, forces at points, torques on links."""
     for link in sweep.linkage.links.values():
         yield _mass_load(sweep, link, speed, acceleration)
     for load in sweep.linkage.applied:
@@ -114,7 +114,7 @@ def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) ->
 
 
 def elastic_loads(sweep: Sweep) -> Iterator[tuple[Elastic, Between]]:
-    """Springs with their loads, without dashpots."""
+    """Each spring with its pair of loads, without that of its dashpot."""
     for spring in sweep.linkage.springs:
         span = _span(sweep, spring)
         yield spring, _pull(sweep, spring, spring.stiffness * (1.0 - spring.length * _inverse_length(span)))
@@ -166,5 +166,5 @@ def _pull(sweep: Sweep, spring: Spring, per_length: Scalar) -> Between:
 
 
 def _opposite_torques(links: tuple[str, str], torque: Scalar) -> Between:
-    """A torque, N m, against the turning of the first body, and its reaction on the second."""
+    """The loads of a torque, N m, against the rotation of the first body, and its reverse on the second."""
     return Load(links[0], (0.0, 0.0), None, -torque), Load(links[1], (0.0, 0.0), None, torque)

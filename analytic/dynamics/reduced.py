@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 
 def link_inertia(sweep: Sweep, link: str) -> Array:
-    """Reduced moment of inertia of one link, m |S'|² + J θ'², kg m²."""
+    """One link's moment of inertia reduced to the crank, m |S'|² + J θ'², kg m²."""
     return np.broadcast_to(np.asarray(_link_inertia(sweep, link), dtype=float), sweep.angle.shape)
 
 
@@ -116,7 +116,7 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
 
 
 def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Elastic, Array]]:
-    """Each force, torque and spring with its generalised force, N m."""
+    """Each force, torque and spring with its generalised force over φ, N m."""
     for load in sweep.linkage.applied:
         yield load, power(sweep, applied_loads(sweep, load, speed))
     for spring, both in elastic_loads(sweep):
@@ -326,7 +326,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
 
 
 def crank_torque(torque: float | Law) -> Law:
-    """A crank torque given as a number, N m, or as a law of φ."""
+    """A crank torque, N m, as a law of φ; a number becomes a constant law."""
     law = torque if isinstance(torque, Law) else Law(np.array([torque], dtype=float))
     if not np.all(np.isfinite(law.values)):
         raise LinkproofError("crank torque: expected finite numbers in N m, got nan or infinity; correct them")

@@ -178,7 +178,10 @@ def follow(
 def _integrate_windows(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
-    """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
+    """The windows of a motion, integrated to a tolerance of the speed.
+
+    Near an equilibrium the moment is a small difference, with the rounding of its peak.
+    """
     rounding = ROUNDINGS * EPS * equation.peak_moment
     linkage = equation.mechanism.linkage
     return integrate(
@@ -321,7 +324,7 @@ def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
 
 
 def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | None:
-    """Search the speed at φ = 0 that a turn brings back, by secants of the turn's map; None if the crank stalls."""
+    """The rotation whose speed a turn brings back, found by secants from ``speed``; None if the crank stalls."""
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
         turn = None if _stalls(equation, speed) else _one_turn(equation, speed)

@@ -182,7 +182,7 @@ class ChangePoints:
         return result
 
     def with_series(self, angle: Any, order: int, pair: tuple[Any, Any], known: Windows) -> tuple[Any, Any]:  # noqa: ANN401
-        """Poses of the dyad's two links, or their derivatives, with those within patches read from the series."""
+        """Poses of both links, or derivatives, from ``pair``, within patches replaced by the series."""
         result, size = None, len(pair[0])
         for patch, window in self.patches_at(angle, known):
             if result is None:
@@ -224,7 +224,7 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 
 
 def nearest_to_sketch(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
-    """The number of the configuration nearest to the sketch; if it is not clear, points that would tell them apart."""
+    """The number of the configuration nearest to the sketch, and None, or points to add where that is unclear."""
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
         for configuration in places

@@ -93,7 +93,7 @@ class _Chain:
         self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
     def poses_before(self, dyads: Sequence[ClosedGroup]) -> list[dict[str, Any]]:
-        """The poses, by body, once these first dyads are solved, for every order of derivative."""
+        """The poses, by body, once these dyads are solved: a mapping for every order of derivative."""
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
             touches = [patch.touch for patch in patches]
@@ -106,7 +106,7 @@ class _Chain:
         return self.known
 
     def solve(self, dyad: ClosedGroup, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
-        """Add the poses of a dyad's links, with the lengths that touch."""
+        """Solve a dyad on what is known and add its links' poses; ``touches`` fix lengths that just meet."""
         solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
             solver.form.snap_to_touch(touch.margin, touch.gap)

@@ -100,7 +100,7 @@ class CrankRange:
 def crank_range(
     linkage: Linkage, structure: Structure, undetermined: Sequence[Undetermined], start: float | None = None
 ) -> CrankRange:
-    """The range around a crank angle, rad, the sketch's if None.
+    """The range of φ around ``start``, rad or m, by default the sketch's.
 
     The limits are zeros of the margin by which a dyad's links reach each other, to rounding; where the margin only
     touches zero, and the linkage is not followed on, the place where rounding has it zero. Raises AssemblyError where
@@ -204,7 +204,7 @@ class _Margins:
         return self.toggle(at, row)
 
     def _minima_below(self, offsets: Array, margins: Array, least: float) -> Array:
-        """Offsets at minima of a group's margin, between the samples too, in which it falls below ``least``."""
+        """Offsets at minima of a group's margin, refined between samples, where it is below ``least``."""
         inner = margins[:, 1:-1]
         low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
         seen = offsets[1:-1][np.any(low, axis=0)]
@@ -222,7 +222,7 @@ class _Margins:
         return np.concatenate([seen, spots[heights < least]])
 
     def _zero_of_margin(self, row: int, good: float, end: float) -> float:
-        """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
+        """The offset at which a group's margin is zero or touches it, between ``good`` and ``end``."""
 
         def margin(offset: float) -> float:
             """The margin of the group numbered ``row`` at one offset from the start, rad."""

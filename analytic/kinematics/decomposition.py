@@ -129,7 +129,7 @@ class Matching:
         return {end for name in names for number in self.held[name] for end in self.equations[number]}
 
     def components(self) -> list[frozenset[str]]:
-        """The strongly connected components of what depends on what, without those that need a locked body."""
+        """The strongly connected components of the dependencies, without those that need a locked body."""
         reach: dict[str, set[str]] = {}
         for name in self.sizes:
             reach[name], new = {name}, {name}
@@ -158,7 +158,7 @@ def _with_slot_sliders(linkage: Linkage) -> Linkage:
 
 
 def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
-    """The bodies that carry each point, the ground included."""
+    """Names of the bodies that carry each point, the ground included, by point."""
     carriers: dict[str, list[str]] = defaultdict(list)
     for body in linkage.links.values():
         for point in body.points:
@@ -202,7 +202,7 @@ class _PlacedBodies:
         self.placed = {GROUND}
 
     def division(self) -> Division:
-        """The division of the bodies that are not placed, and of the pins between these alone."""
+        """The division of the bodies not yet placed, and of the pins between these alone."""
         pins = {pin.point: f"pin {pin.point}\0" for pin in self.linkage.pins if not self.placed.intersection(pin.links)}
         bodies = sorted({*self.bodies} - self.placed)
         sizes = {**dict.fromkeys(bodies, BODY), **dict.fromkeys(pins.values(), PIN)}
@@ -214,7 +214,7 @@ class _PlacedBodies:
         return divide(tuple(sizes.items()), tuple(filter(None, unknown)))
 
     def joints(self, *bodies: str) -> Iterator[Any]:
-        """Every joint of bodies with placed ones, seen from these, and with one another, seen from the first.
+        """The joints of these bodies with placed bodies, seen from these, and with each other, seen from the first.
 
         Of several placed bodies on a pin the ground, or else the first by name, counts.
         """
@@ -222,7 +222,7 @@ class _PlacedBodies:
         known = self.placed | {*bodies}
 
         def placed_first(names: Iterable[str]) -> list[str]:
-            """Names sorted: placed bodies first, among these the ground, then in alphabetical order."""
+            """Names sorted: the ground, other placed bodies by name, then the given bodies in their order."""
             return sorted(names, key=lambda name: (order.get(name, name != GROUND), name))
 
         for pin in sorted({pin for body in bodies for pin in self.pins_of[body]}, key=lambda pin: pin.point):

@@ -27,7 +27,7 @@ class DyadSolver:
     """
 
     def __init__(self, dyad: ClosedGroup, angle: Scalar = None, windows: Windows | None = None) -> None:
-        """``angle``, φ, is needed where the group passes change points or a cylinder drives.
+        """Prepare to solve a group; ``angle`` is φ, which change points and cylinders need.
 
         ``windows`` are those of φ so far.
         """
@@ -66,19 +66,19 @@ class DyadSolver:
         return determinant < -least if self.group.sign < 0 else abs(determinant) > least
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """First derivatives over φ; the poses must be known."""
+        """Derivatives over φ of the links' poses, from those of the hosts; the poses must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.rates(self._of_hosts(rates), self.link_poses)
         return _of_links(self._through_change_points(1, pair))
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Second derivatives over φ; the rates must be known."""
+        """Second derivatives over φ of the links' poses, from the hosts'; the rates must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses)
         return _of_links(self._through_change_points(2, pair))
 
     def severity(self) -> Scalar:
-        """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
+        """Minus the length, m, by which the links fail to meet; zero where only rounding is missing."""
         with np.errstate(invalid="ignore"):
             missing, lengths = self.form.reach_margin()
             short = np.minimum(missing + ROUNDING * lengths, 0.0)
@@ -144,5 +144,5 @@ def check_motion(
 
 
 def _value_at(value: Scalar, angle: Array, index: int) -> float:
-    """The value at one of the crank angles."""
+    """The value at the crank angle of this flat index."""
     return float(np.broadcast_to(value, angle.shape).ravel()[index])

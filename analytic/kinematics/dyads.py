@@ -88,7 +88,7 @@ class Rod:
         return self.x
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of the point that counts without x': A'' − θ'² r."""
+        """Second derivative of the point that counts if the angle had no slope x': A'' − θ'² r."""
         self.base_second = frames.point_acceleration(self.host, self.host_rate, host, self.near)
         square = self.x * self.x
         return (self.base_second[0] - square * self.r[0], self.base_second[1] - square * self.r[1])
@@ -113,7 +113,7 @@ class Rail:
         self.host, self.base, self.e = host, frames.point(host, self.start), frames.arm(host, self.along)
 
     def pose(self, point: Pair) -> Pose:
-        """Pose of the link whose point that counts is here."""
+        """Pose of the link whose point that counts is at ``point``."""
         return frames.pose_through(point, frames.turned(self.host, self.turn), self.local)
 
     def moment(self, gap: Pair) -> Scalar:
@@ -125,7 +125,7 @@ class Rail:
         return self.e
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative of the host's point that is just now here."""
+        """First derivative over φ of the host's point that is just now at ``point``, m/rad."""
         self.host_rate = host
         return frames.carried_rate(self.host, host, point)
 
@@ -148,7 +148,7 @@ class Rail:
         return frames.plus(carried, frames.coriolis(self.host_rate[2], self.x, self.e))
 
     def second(self, link: Pose, slope: Scalar) -> Rate:
-        """Second derivative of the link's pose; ``slope`` is x'."""
+        """Second derivative of the link's pose over φ; ``slope`` is that of its travel."""
         origin = self.carried_twice(self.host_second, (link[0], link[1]))
         return (*frames.point_along(origin, slope, self.e), self.host_second[2])
 
@@ -219,7 +219,7 @@ class _DyadForm:
         return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Length, m, by which the links reach beyond meeting, negative where they do not, and the lengths it is of.
+        """Length, m, by which the links reach beyond meeting, negative if short, and the lengths it comes from.
 
         Two guides lack no length, but parallel ones do not cross.
         """
@@ -233,7 +233,7 @@ class _DyadForm:
         """Take lengths with which the links just touch, where a ``margin``, m, is a rounding of zero."""
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """Why the links do not meet, as a fault and a sentence: which link misses by how much, and the remedy.
+        """Why the links do not meet, as a fault and a sentence on the link, the length it misses and the remedy.
 
         ``at`` picks the value at one crank angle, ``written`` writes a length.
         """
@@ -287,7 +287,7 @@ class _PinDyad(_DyadForm):
         return _magnitude_sum(first.base, second.base)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
-        """The unknown rates of both sides, or their slopes."""
+        """The rates of both sides' unknowns, an angle or a travel, or the slopes of these."""
         first, second = self.sides
         gap = frames.minus(carried[1], carried[0])
         return second.moment(gap) * self.scale, first.moment(gap) * self.scale
@@ -481,7 +481,7 @@ class RPR(_SlideDyad):
     """
 
     def make_sides(self) -> tuple[Any]:
-        """The line of the second link, as an arm of unit length."""
+        """The line of the second link, as the only side, an arm of unit length."""
         first, inner, second = self.joints
         self.offset = frames.cross(inner.along, frames.minus(point_on_rail(inner, first.far_local), second.far_local))
         return (Rod(second, inner.along, 1.0),)

@@ -103,7 +103,7 @@ class ErrorBounds:
         return np.asarray(EPS * np.max(rows / scales, axis=1)[:, None] * scales)
 
     def _reach(self, group: AnyGroup, poses: dict[str, Any]) -> Array:
-        """Largest distance in the group by which an angle's error is carried, m."""
+        """Largest distance, m, in the group over which an error of an angle acts."""
         reaches = [np.zeros(self.sweep.angle.shape)]
         for joint in group.joints:
             if isinstance(joint, Prismatic):
@@ -120,7 +120,7 @@ def _residual_size(row: Any) -> Any:  # noqa: ANN401 - a residual that carries t
 
 
 def _with_errors(parts: list[Array], error: Array) -> tuple[Rounded, ...]:
-    """A pose or a rate with the errors (3, n) of its place and its angle."""
+    """A pose or a rate as numbers with bounds: the errors (3, n) of its place and its angle."""
     if len(parts) == 3:
         return tuple(map(Rounded, parts, error))
     x, y, c, s = parts

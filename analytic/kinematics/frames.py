@@ -61,7 +61,7 @@ def arm(pose: Pose, local: Vector) -> Pair:
 
 
 def point(pose: Pose, local: Vector) -> Pair:
-    """Position of a point of a body."""
+    """Position of a point of a body, given in its frame, in the ground frame."""
     if is_origin(local):
         return (pose[0], pose[1])
     r = arm(pose, local)
@@ -69,7 +69,7 @@ def point(pose: Pose, local: Vector) -> Pair:
 
 
 def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
-    """First derivative of a point of a body."""
+    """First derivative over φ of a point of a body."""
     if is_origin(local) or is_zero(rate[2]):
         return (rate[0], rate[1])
     r = arm(pose, local)
@@ -77,7 +77,7 @@ def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
 
 
 def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector) -> Pair:
-    """Second derivative of a point of a body."""
+    """Second derivative over φ of a point of a body."""
     if is_origin(local) or (is_zero(rate[2]) and is_zero(acceleration[2])):
         return (acceleration[0], acceleration[1])
     r = arm(pose, local)
@@ -184,7 +184,7 @@ def plus(a: Pair, b: Pair) -> Pair:
 
 
 def coriolis(turn_rate: Scalar, travel: Scalar, direction: Pair) -> Pair:
-    """2 θ' t' e⊥: the Coriolis term of sliding along e on a host that turns."""
+    """The Coriolis term 2 θ' t' e⊥ of sliding along e on a host that turns."""
     twice = 2.0 * turn_rate * travel
     return (-twice * direction[1], twice * direction[0])
 
@@ -205,5 +205,5 @@ def root(square: Scalar) -> Scalar:
 
 
 def inverse(number: Scalar) -> Scalar:
-    """Reciprocal; infinite of zero, a plain one too."""
+    """The reciprocal of a number; infinite for zero, without an error also for a plain one."""
     return np.divide(1.0, number)

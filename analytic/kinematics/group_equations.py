@@ -112,7 +112,7 @@ def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[
 
 
 def _enter_jacobian(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
-    """A joint's rows for one of its bodies."""
+    """Enter a joint's rows for one of its bodies into ``block``."""
     if isinstance(joint, Revolute):
         x, y = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
         block[:, 0, 0] = block[:, 1, 1] = sign
@@ -173,7 +173,7 @@ class GroupSystem:
         return {**self.hosts, **dict(zip(self.links, motion, strict=True))}
 
     def residual(self, motions: Motions, order: int) -> Array:
-        """The equations of an order in the system's unit, (n, equations)."""
+        """The equations of an order, (n, equations), lengths over the system's unit; 0 where met."""
         rows = residuals(self.joints, motions, order, self.coordinate)
         return np.asarray(np.stack([np.broadcast_to(row, (self.count,)) for row in rows], axis=1) * self.rows)
 
@@ -188,7 +188,7 @@ class GroupSystem:
         return np.asarray(solution.reshape(self.count, -1, 3))
 
     def derivatives(self, coordinates: Array) -> tuple[Array, Array]:
-        """Q' and q'' of links that meet, each (n, links, 3)."""
+        """First and second derivatives over φ of the links' coordinates, each (n, links, 3)."""
         matrix = self.matrix(self.motions(coordinates))
         first = self.step(matrix, self.residual(self.motions(coordinates), 1))
         return first, self.step(matrix, self.residual(self.motions(coordinates, first), 2))

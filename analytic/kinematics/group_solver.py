@@ -56,7 +56,7 @@ class Problem:
 
     @property
     def radian(self) -> float:
-        """How much of φ counts as a radian: 1 rad, or of a linear driver the unit of length, m."""
+        """The change of φ that counts as a radian: 1 rad or, for a linear driver, the unit of length, m."""
         return self.unit if self.is_linear else 1.0
 
     def system(self, coordinate: Array) -> GroupSystem:
@@ -223,7 +223,7 @@ class GroupSolver:
 
     @property
     def branch(self) -> GroupBranch:
-        """The configuration that is followed."""
+        """The branch of the configuration that the group follows."""
         assert self.group.branch is not None
         return self.group.branch
 
@@ -238,7 +238,7 @@ class GroupSolver:
         return self.link_poses
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """First derivatives over φ; the poses must be known."""
+        """Derivatives over φ of the links' poses; the poses must be known."""
         self.known[1] = rates
         system = self._system()
         self.matrix = system.matrix(system.motions(self.place))
@@ -246,7 +246,7 @@ class GroupSolver:
         return tuple(self._shaped(rate) for rate in rates_of(self.first))
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Second derivatives over φ; the rates must be known."""
+        """Second derivatives over φ of the links' poses; the rates must be known."""
         self.known[2] = accelerations
         system = self._system()
         second = system.step(self.matrix, system.residual(system.motions(self.place, self.first), 2))
@@ -278,7 +278,7 @@ class GroupSolver:
         return np.where(self.moves, 0.0, np.minimum(self.margin(), 0.0) - np.finfo(float).tiny)
 
     def fault(self, _: object, linkage: Linkage) -> Shortfall:
-        """Why the links do not meet at some φ."""
+        """Why the links do not meet at some φ, as a fault and a sentence."""
         names = ", ".join(f"'{name}'" for name in self.group.links)
         s = "" if len(self.group.links) > 1 else "s"
         low, high = (linkage.phi.text(end) for end in self.branch.ends)
@@ -404,7 +404,7 @@ def _levenberg_marquardt(system: GroupSystem, guess: Array) -> Array:
 
 
 def _distinct(values: Array, unit: float) -> list[Array]:
-    """The different configurations among all solutions, in the order of their starts."""
+    """The configurations that differ, (links, 3) each, among all solutions, in the order of their starts."""
     result: list[Array] = []
     for root in values[np.all(np.isfinite(values), axis=(1, 2))]:
         if not any(_are_same(root, other, unit) for other in result):

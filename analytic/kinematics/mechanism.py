@@ -110,7 +110,7 @@ class Mechanism:
             ) from error
 
     def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
-        """A function of the linkage at angles (n,), rad; nan where what it needs is not assembled, or is stuck."""
+        """Values of a function of the linkage at angles (n,), rad; nan where it cannot be assembled or moved."""
         faults = np.zeros(angle.shape, dtype=bool)
         with np.errstate(all="ignore"):  # of what is meaningless
             values = function(Sweep(self.linkage, self.structure, angle, faults, zero_of_s=self.zero_of_s))
@@ -123,7 +123,7 @@ class Mechanism:
 
     @cached_property
     def turn(self) -> Sweep:
-        """One full turn in half-degree steps: extremes are refined from here; of a driver that is pushed its range.
+        """The linkage over a turn in half-degree steps, from which extremes are refined; over its range if pushed.
 
         Of a linkage that repeats its motion after several turns as many (``period``).
         """
@@ -182,7 +182,7 @@ def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mech
 
 
 def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
-    """Choose each group's assembly mode nearest to the sketch, group by group.
+    """The structure with each group's assembly mode nearest to the sketch, chosen group by group.
 
     Dyads take the ``signs``, if there are any.
     """
@@ -204,7 +204,7 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
     """A group of a higher class with the configuration that the sketch means, followed over φ."""
 
     def hosts(angle: Array) -> Motions:
-        """Motions over φ of the bodies that the group hangs on."""
+        """Motions, over φ, of the bodies that the group hangs on."""
         sweep = Sweep(linkage, before, angle)
         motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
         full = np.ones(angle.shape)

@@ -132,7 +132,7 @@ class DrivenLink(ClosedGroup):
 
     @property
     def joints(self) -> tuple[GroupJoint, ...]:
-        """The joint to the placed body and the cylinder, a rod before a slide."""
+        """The joint to the placed body, and the cylinder; a rod comes before a slide."""
         return (self.outer, self.cylinder) if self.kind == TURNED else (self.cylinder, self.outer)
 
 
@@ -176,7 +176,7 @@ class Group:
 
     @property
     def first(self) -> str:
-        """The first link by name, by which the group is known."""
+        """The link whose name comes first; it identifies the group."""
         return self.links[0]
 
     @property

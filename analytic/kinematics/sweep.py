@@ -139,7 +139,7 @@ class Sweep:
         return second
 
     def _solve(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
-        """Pose of a body or its derivative of an order; computes its dyad and those before it as far as needed."""
+        """Pose of a body or its derivative of an order; solves its group, and those before it, as far as needed."""
         known = self._known[order]
         if body not in known:
             if body not in self._needs:
@@ -180,7 +180,7 @@ class Sweep:
         check_motion(self.linkage, solver, self.angle, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
-        """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
+        """Coordinates, m, of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
         motion: Any = tuple(self._solve(body, k) for k in range(order + 1))
         return point_derivative(motion, local, order)
 
@@ -219,7 +219,7 @@ class Sweep:
         return turned
 
     def centre(self, body: str, order: int = 0) -> Pair:
-        """Mass centre of a link, or a derivative of it; stored, since all of the dynamics uses it."""
+        """Mass centre of a link, m, or its derivative of an order; stored, since all of the dynamics uses it."""
         if (body, order) not in self._centres:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
         return self._centres[body, order]

@@ -59,7 +59,7 @@ class SampledTops(NamedTuple):
     near: Integers
 
     def bounds(self, last: int) -> tuple[Integers, Integers]:
-        """The samples beside each top, of samples up to ``last``."""
+        """Indices of the samples before and after each top; the last sample is ``last``."""
         return np.maximum(self.best - 1, 0), np.minimum(self.best + 1, last)
 
 
@@ -174,7 +174,7 @@ def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
 
 
 def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
-    """The places on either side of the best place."""
+    """The places on either side of the sampled best place."""
     row = np.arange(len(x))
     return x[row, np.maximum(best - 1, 0)], x[row, np.minimum(best + 1, x.shape[1] - 1)]
 
