@@ -99,7 +99,7 @@ class World:
         self.world.step()
 
     def state(self, order: str) -> Array:
-        """The bodies' x, y and angle (``Positions``), or their ``Velocities`` or ``Accelerations``."""
+        """x, y and angle of the bodies for ``Positions``, or their ``Velocities`` or ``Accelerations``, (bodies, 3)."""
         return np.array([getattr(skeleton, f"get{order}")()[:3] for skeleton in self.skeletons])
 
     def read(self, place: Array) -> Data:
@@ -122,7 +122,7 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """The samples of a course of one part; accelerations and forces begin after the start.
+    """Step through the part of a course and return its samples; accelerations and forces begin after the start.
 
     A step ends with the velocities of its middle; its forces are those of the state before it.
     """

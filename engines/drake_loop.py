@@ -135,7 +135,7 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """The samples of a course of one part; accelerations and forces begin after the start.
+    """Step through the part of a course and return its samples; accelerations and forces begin after the start.
 
     The joints, closed at first, open within some ten steps as far as the steps allow.
     """

@@ -61,7 +61,7 @@ class ScriptFigure(NamedTuple):
     true: float = 0.0
 
     def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
-        """Unit of the script's samples in SI."""
+        """The size, SI, of the unit in which the script counts its samples of this figure."""
         kind, *joint = self.signal
         if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
             return 1.0
@@ -125,7 +125,7 @@ def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, 
 
 
 def _standalone_source(loop: str) -> tuple[str, str]:
-    """Docstring and source of a module that has to do without linkproof, without remarks for linters.
+    """Docstring and source of a loop's module, without remarks for linters, to run without linkproof.
 
     The source of another loop that it imports from stands before it.
     """
@@ -155,7 +155,7 @@ def _without_remarks(source: str) -> str:
 
 
 def _units_in_words(units: OwnUnits | None) -> str:
-    """A comment that says in which units the script counts."""
+    """A comment, as Python source, on the units of the script's numbers."""
     if units is None:
         return "Units: m, kg, s, rad and what follows from them."
     return (

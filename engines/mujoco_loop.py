@@ -84,7 +84,7 @@ class MujocoWorld:
         return {name: result[name] for name in channels}
 
     def joint_force(self, joint: str, cfrc_int: Array, efc_force: Array) -> Array:
-        """Force on a joint's first body, N, (..., 2), from what was read."""
+        """Force on a joint's first body, N, (..., 2), from MuJoCo's arrays of one or several instants."""
         rows, body, sign, normal = self.sources[joint]
         force = sign * (cfrc_int[..., body, 3:5] if rows is None else efc_force[..., rows])
         return np.multiply.outer(force @ normal, normal) if normal else force
@@ -113,7 +113,7 @@ class MujocoWorld:
         ]
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
-        """The callback of every stage: the drive's reference acceleration and the loads; None if it has nothing to set.
+        """The function that MuJoCo calls at every stage to set reference acceleration and loads; None without any.
 
         The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
         """
@@ -231,7 +231,7 @@ def build(model: Data) -> MujocoWorld:
 
 
 def follow(world: MujocoWorld, course: Data) -> Data:
-    """The samples of a course; of the two between parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
     rows: list[tuple[Any, ...]] = []
     warnings: list[str] = []
     mujoco.set_mju_user_warning(warnings.append)  # or they go to the terminal and into a file

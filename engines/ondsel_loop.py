@@ -59,7 +59,7 @@ def set_pose(part: Part, x: float, y: float, angle: float) -> None:
 
 
 def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
-    """The samples of a course; of the two between parts the later part's counts."""
+    """Solve all parts of a course and return its samples; at a border of parts the later part's counts."""
     (model, given), parts = world, course["parts"]
     samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
     forces: Data = {name: ([], []) for name in given["forces"]} if "joint_force" in course["channels"] else {}

@@ -128,7 +128,7 @@ def build(model: Data) -> World:
 
 
 def follow(world: World, course: Data) -> Data:
-    """The samples of a course; of the two between parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])

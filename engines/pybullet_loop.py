@@ -43,7 +43,7 @@ class World:
         self.turn = partial(self.changeConstraint, self.ties[self.drive], **UNLIMITED)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
-        """A function of PyBullet, on this world."""
+        """The function of PyBullet with this name, applied to this world."""
         function = partial(getattr(pybullet, name), physicsClientId=self.client)
         setattr(self, name, function)  # bound once, not in every step
         return function
@@ -127,7 +127,7 @@ build = World
 
 
 def follow(world: World, course: dict[str, Any]) -> dict[str, Any]:
-    """The samples of a course of one part."""
+    """Step through the part of a course and return its samples."""
     (part,), ratio, given, centred, rows = course["parts"], course["ratio"], world.given, world.centred, []
     count = ratio * part["samples"]
     step, late = part["end"] / count, 0.0 if centred else 1.0

@@ -84,7 +84,7 @@ def own_names() -> tuple[str, ...]:
 
 
 def entry_point(name: str) -> EntryPoint:
-    """Where the adapter of that name is announced; raises UnknownNameError for a name that no package announces."""
+    """The entry point that announces the adapter of that name; raises UnknownNameError if no package does."""
     entries = _announced()
     if name not in entries:
         raise UnknownNameError("engine", name, entries)
@@ -178,9 +178,10 @@ def installed_version(name: str) -> str | None:
 
 
 def why_absent(package: str, extra: str = "") -> str | None:
-    """Why a package cannot be imported, None where it can; an error inside an installed one is not hidden by this.
+    """The reason why a package cannot be imported; None where it can.
 
-    ``extra`` is the extra that brings the package, by default of its name.
+    A failed import inside an installed package is raised. ``extra`` is the extra that brings the package, by default of
+    its name.
     """
     try:
         import_module(package)
@@ -232,7 +233,7 @@ def flush() -> None:
 
 @contextmanager
 def silenced(into: str = os.devnull) -> Iterator[None]:
-    """Send what the process writes to its standard output and error nowhere, or to a file, C code's included."""
+    """In the block, send standard output and error, C code's included, to a file or nowhere."""
     flush()  # what was written before is not lost
     streams = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:

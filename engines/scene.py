@@ -201,7 +201,7 @@ class Free:
     over_time: TimeLaw | None = None
 
     def torque_at(self, time: ArrayLike) -> NDArray[np.float64]:
-        """The drive's whole torque at any time, s."""
+        """The drive's whole torque, N m, or force, N, at times, s."""
         over_time = 0.0 if self.over_time is None else self.over_time(time)
         return np.asarray(np.full(np.shape(time), self.torque) + over_time)
 
@@ -280,7 +280,7 @@ class Scene:
 def build_scene(
     linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel], zero_of_s: float = 0.0
 ) -> Scene:
-    """The whole input of an engine for a linkage; ``start`` holds every link as a body in its state.
+    """The scene, which is all that an engine is given of a linkage; ``start`` holds its links as bodies.
 
     ``zero_of_s`` is the output's coordinate, m, from which loads over S count.
     """

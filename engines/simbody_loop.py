@@ -88,7 +88,7 @@ class SimbodyWorld:
         self.coordinates.append(coordinate)
 
     def add_loop_constraint(self, cut: Data) -> None:
-        """Hold a joint that closes a loop as a constraint."""
+        """Add a constraint for a joint that closes a loop."""
         (first, second), (on_first, on_second) = cut["bodies"], (vec3(*anchor) for anchor in cut["anchors"])
         if cut["along"] is None:
             ends = self.frames[first], on_first, self.frames[second], on_second
@@ -130,7 +130,7 @@ class SimbodyWorld:
         return forces
 
     def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
-        """Rows x, y, angle or their rates; an angle is a sum of coordinates, and so unwrapped."""
+        """Rows of x, y and angle of the bodies, or of their rates; angles are unwrapped sums of coordinates."""
         rows = list[tuple[float, ...]]()
         for place, rates, angle in self.readers[channel]:
             turned = sum([rate(state) for rate in rates], angle if channel == "position" else 0.0)
@@ -138,7 +138,7 @@ class SimbodyWorld:
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
-        """The requested channels of a state."""
+        """The requested channels of a state, by name."""
         self.model.realizeAcceleration(state)
         dynamics = {"torque": self.torque, "joint_force": self.joint_forces}
         return {name: dynamics[name](state) if name in dynamics else self.kinematics(name, state) for name in channels}
@@ -173,7 +173,7 @@ def build(model: Data) -> SimbodyWorld:
 
 
 def follow(world: SimbodyWorld, course: Data) -> Data:
-    """The samples of a course; of the two between parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
         rows[-1:] = part_states(world, part, course)

@@ -43,7 +43,7 @@ LAST_TURN_SAMPLES: Final = 361
 
 
 def positions_over_range(mechanism: Mechanism) -> Positions:
-    """Where a linkage's bodies are over a turn of its crank from φ = 0, or over its range, short of the limits.
+    """The positions of all bodies over a turn from φ = 0, or over the crank's range, short of its limits.
 
     At a limit where guides are parallel its bodies are infinitely far away.
     """
@@ -54,7 +54,7 @@ def positions_over_range(mechanism: Mechanism) -> Positions:
 
 
 def positions_over_motion(curves: Curves) -> Positions:
-    """Where the bodies of a case are: over one turn where its motion makes a turn, else over the motion's time."""
+    """The positions of a case's bodies: over one turn where its motion makes one, else over the motion."""
     case = curves.case
     mechanism, (low, high) = case.mechanism, case.reach
     if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - TURN_ROUNDING):
@@ -69,7 +69,7 @@ def positions_over_motion(curves: Curves) -> Positions:
 
 
 def positions_at(mechanism: Mechanism, angle: Array, *, closed: bool) -> Positions:
-    """Where the bodies are at values of φ (n,), rad, or of the travel, m; ``closed`` for a whole turn."""
+    """The positions of all bodies at φ (n,), rad or m; ``closed`` if that is a whole turn."""
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
@@ -268,7 +268,7 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 
 
 def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
-    """Signals over the axis, at as many instants as they need, those of their peaks among them."""
+    """Signals by name over the axis, at few instants that show them and their ``peaks``, s."""
     truth = curves.truth_at(np.union1d(curves.grid, peaks))
     groups = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(groups))
@@ -323,7 +323,7 @@ def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallbac
 
 
 def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
-    """Facts and curves of a regime of the linkage's file in which the crank is released.
+    """The facts and curves of a motion with released crank, of a regime of the linkage's file.
 
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
     angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and

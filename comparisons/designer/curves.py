@@ -242,7 +242,7 @@ class Curves:
 
     @cached_property
     def instants(self) -> Instants:
-        """The instants at which the motion is looked at."""
+        """The Instants of the case's motion, which choose where it is computed."""
         return Instants(self.case.motion, turns=not self.linkage.is_linear)
 
     @property
@@ -257,7 +257,7 @@ class Curves:
 
     @cached_property
     def open_ends(self) -> tuple[OpenEnd, ...]:
-        """The ends of the motion beside a dead position, where extremes say no more than where it was cut off."""
+        """The ends of the motion beside a dead position, where extremes only tell where it was cut off."""
         return open_ends(self.case.mechanism, *self.case.reach)
 
     def unit(self, name: str) -> str:
@@ -281,7 +281,7 @@ class Curves:
 
     @cached_property
     def on_grid(self) -> Truth:
-        """The closed form over the whole motion."""
+        """The closed form at all instants of ``grid``."""
         return self.truth_at(self.grid)
 
     def truth_at(self, time: Array) -> Truth:
@@ -356,7 +356,7 @@ class Curves:
         return numbers
 
     def means(self, *measures: Measure) -> list[float]:
-        """Means over time of measures of the closed form."""
+        """Means over time of these measures of the closed form, in their order."""
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:

@@ -62,7 +62,7 @@ TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
 
 
 def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
-    """The key figures of curves, table by table."""
+    """The key figures of curves by table: drive, forces, output and so on."""
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
     pivot = curves.case.mechanism.structure.pivot
     moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
@@ -119,7 +119,7 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def flywheel_figures(curves: Curves) -> Iterator[SignalFigure]:
-    """The flywheel that the file's coefficient of fluctuation asks for, of a crank that goes on turning."""
+    """The size of the flywheel that limits a turning crank's fluctuation to the file's coefficient."""
     wanted, speed = curves.linkage.fluctuation, _running_speed(curves)
     if wanted and speed:
         yield curves.figure(f"for a fluctuation of {wanted:g}", "Jeq", flywheel(curves.case, speed, wanted))
@@ -316,7 +316,7 @@ def figure_unit(name: str, linkage: Linkage) -> str:
 
 
 def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
-    """Values of the figures of ``named`` over the motion, SI.
+    """Values, SI, of figures over the motion, by name.
 
     Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
     """

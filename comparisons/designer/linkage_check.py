@@ -267,7 +267,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 
 
 def _turn_facts(mechanism: Mechanism) -> Facts:
-    """Figures of a full turn: inertias reduced to the crank, the output's travel, and where the linkage rests."""
+    """The facts on a full turn: reduced inertias, the output's travel, and the angles of rest."""
     linkage = mechanism.linkage
     links = file_facts(linkage)["links"]
     for name, link in links.items():
@@ -310,7 +310,7 @@ def _accuracy_facts(mechanism: Mechanism) -> Facts:
 
 
 def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
-    """How many figures the sources print for the variant, and how many are reproduced or near, or why none is."""
+    """The facts on printed figures: how many there are for the variant, and how many we meet, or why none."""
     try:
         verdicts = [record.verdict for record in compare_published([linkage])]
     except LinkproofError as error:  # of a linkage that was changed: it cannot make the motion of a printed figure
@@ -322,7 +322,7 @@ def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
 
 
 def _load_facts(linkage: Linkage) -> Facts:
-    """Which links have mass and inertia, and what acts on them."""
+    """The facts on which links have mass and inertia, and on the loads."""
     return {
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
         "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
@@ -342,7 +342,7 @@ def _sketch_facts(mechanism: Mechanism) -> Facts:
 
 
 def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """Range of φ in this assembly mode, the reason for its ends, and its change points."""
+    """The facts on the range of φ in this assembly mode: its ends with their reasons, its change points."""
     low, high = reach.limits
 
     def toggle(entry: Toggle | None) -> str | None:

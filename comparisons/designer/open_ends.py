@@ -70,14 +70,14 @@ def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd,
 
 
 def _range_around(mechanism: Mechanism, phi: float) -> CrankRange:
-    """The range of φ in which a value lies: the sketch's, or that of a motion that starts elsewhere."""
+    """The range of φ that contains a value: the sketch's, or that of a motion that starts elsewhere."""
     reach = mechanism.crank_range()
     low, high = reach.limits
     return reach if reach.is_full_turn or low <= phi <= high else mechanism.crank_range(phi)
 
 
 def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
-    """The transmission angle of a group in closed form, rad; 0 of another."""
+    """The transmission angle of a group of dyads, rad; 0 for a group of a higher class."""
     return transmission_angle(sweep, group) if isinstance(group, ClosedGroup) else np.zeros(sweep.angle.shape)
 
 

@@ -56,7 +56,7 @@ class Named:
         return number * size
 
     def in_file(self, text: str) -> float:
-        """A typed number in the unit of the file; raises like ``si``."""
+        """The number that a text gives, in the unit of the file; raises like ``si``."""
         number, size = self._read(text)
         return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
 
@@ -98,7 +98,7 @@ class Parameter(Named):
 
 
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
-    """Every number of a linkage that its designs may differ in, by name."""
+    """Every number that designs of a linkage may differ in, by name."""
     numbers = design_numbers(linkage).items()
     return {name: Parameter(name, kind_unit(kind, linkage.units), kind, value) for name, (kind, value) in numbers}
 
@@ -205,7 +205,7 @@ class SteadyCase:
 
     @property
     def linkage(self) -> Linkage:
-        """The linkage of the file."""
+        """The linkage as its file describes it."""
         return self.mechanism.linkage
 
     def figures(
@@ -249,7 +249,7 @@ class SteadyCase:
         return OpenEndFigures(names, f"{listed(names)} {verb} at an open end of the motion: {words}")
 
     def _tops(self, named: NamedFigure) -> list[float]:
-        """The places, rad or m, among those sampled at which the signal of a figure has the extremes that make it."""
+        """The sampled places, rad or m, of the extremes that make a figure."""
         heights = (extreme.height(signal(self._moving, named.figure.signal)) for extreme in named.figure.extremes)
         return [float(self.places[np.argmax(height)]) for height in heights]
 

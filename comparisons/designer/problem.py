@@ -151,7 +151,7 @@ class LocalMaxima:
 
 
 def _bracket_top(window: SampleWindow, values: Array) -> Array:
-    """Three samples in a row within a window, or beside it, of which one is its highest."""
+    """Three neighbouring samples, by index, around a window's highest one."""
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])
     middle = max(min(top, window.last - 1), window.first + 1)
@@ -242,12 +242,12 @@ class DesignProblem:
 
     @property
     def figures(self) -> tuple[NamedFigure, ...]:
-        """The aims and the constrained figures."""
+        """The figures of aims, then those of constraints."""
         return (*self.aims, *(figure.figure for figure in self.constraints))
 
     @cached_property
     def maxima(self) -> LocalMaxima:
-        """Finds the local maxima of every signal side that an aim or a constraint is made of, for any design."""
+        """The finder of local maxima of all sides of signals that the aims and constraints need."""
         every = [side for figure in self.figures for side in sides(figure.figure)]
         return LocalMaxima(self.case, tuple(dict.fromkeys(every)))
 
@@ -343,7 +343,7 @@ NOT_NEGATIVE: Final = ("mass", "inertia")
 
 
 def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
-    """The numbers to be varied, the driver's ``speed``, SI, among them.
+    """The numbers to vary, from texts as typed; one may be the driver's ``speed``, SI.
 
     Raises LinkproofError for malformed bounds, UnknownNameError for a name.
     """
@@ -398,7 +398,7 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
 
 
 def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
-    """A constraint to a value or a range, either end of which may be left out; to ``file_value``, SI, without one."""
+    """A constraint to a typed value or range, either end of which may be open; to ``file_value``, SI, for None."""
     if text is None:
         return Constraint(figure, file_value, file_value)
     ends = text.split(":")

@@ -80,10 +80,11 @@ class Descent:
         return end
 
     def residual(self, place: Array) -> float:
-        """How far a design is from Karush's, Kuhn's and Tucker's conditions: the slope that still leads down.
+        """The largest slope that still leads down within the constraints, as a share of the aim: 0 at an optimum.
 
         It is the change of the aim, as a share of it, over the whole of the bounds: the shortest combination of the
-        gradients of the highest local maxima with those of the constraints and of the active bounds.
+        gradients of the highest local maxima with those of the constraints and of the active bounds (Karush, Kuhn,
+        Tucker).
         """
         from scipy.optimize import nnls  # noqa: PLC0415
 
@@ -109,7 +110,7 @@ class Descent:
         return self.problem.linearise(place, windows)
 
     def _search_round(self, end: End, radius: float) -> End | None:
-        """The end of SLSQP within a radius, of the aim or, where a constraint does not hold, of the violation.
+        """The end of an SLSQP search within a radius; of the aim or, if a constraint is violated, the violation.
 
         Either is a variable of its own, above all local maxima or all violations.
         """

@@ -114,12 +114,12 @@ class Sheet:
 
     @property
     def name(self) -> str:
-        """The linkage's name."""
+        """The name of the sheet's linkage."""
         return self.linkage.name
 
     @property
     def variant(self) -> str:
-        """The linkage's variant."""
+        """The variant of the sheet's linkage."""
         return self.linkage.variant
 
     @property
@@ -129,7 +129,7 @@ class Sheet:
 
     @property
     def table(self) -> Mapping[str, Array]:
-        """The signals at the instants of tables and files."""
+        """The signals by name, SI, at the instants of tables and files."""
         return self.values if self.chosen is None else self.chosen
 
     def unit(self, name: str) -> FileUnit:

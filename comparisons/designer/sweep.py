@@ -167,7 +167,7 @@ def read_table(path: Path, linkage: Linkage) -> DesignSpace:
 
 
 def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
-    """The parameters of a head, each with the size of its column's unit in that of the linkage's file."""
+    """The parameters of a table's first line, each with its column's unit over the file's unit."""
     if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in names[0]), None)):
         raise LinkproofError(f"{start} commas between columns, and points in numbers, got {other}; save it so")
     if not any(name.strip() for name in names):
@@ -187,7 +187,7 @@ def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Par
 
 
 def given_designs(linkage: Linkage, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
-    """The grid of ``vary``, or the list of ``table``; of Dask arrays a space of one design, and the arrays by name.
+    """The designs of ``vary``, a grid, or ``table``, a list; for Dask arrays one design and the arrays by name.
 
     Raises LinkproofError for bad input.
     """
@@ -314,7 +314,7 @@ class SweepStudy:
 
 
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
-    """The figures where nobody names any: peaks of torque, forces and transmission angles, and the stroke."""
+    """The figures if the user names none: peaks of torque, forces, transmission angles, and the stroke."""
     signals = names(mechanism)
     usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in signals)]
     return named_figures(mechanism, [*usual, *([STROKE] if "S" in signals else [])])
@@ -368,7 +368,7 @@ def figures_of_file(request: SweepRequest) -> Array:
 
 
 def reason_not_assembled(request: SweepRequest) -> str:
-    """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
+    """The sentence why the first design cannot be assembled throughout its motion; "" where it can."""
     case, first = request.case, request.space.block(0, 1)
     design = {name: float(values[0]) for name, values in first.items()}
     try:
@@ -382,7 +382,7 @@ def reason_not_assembled(request: SweepRequest) -> str:
 
 
 def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: Any) -> xarray.Dataset:  # noqa: ANN401
-    """``values`` of the parameters and ``figures`` (figures, *shape), arrays of any kind, with names and units."""
+    """A dataset of ``figures`` (figures, *shape) over ``values`` of the parameters, with names and units."""
     import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
 
     over = request.space.dimensions

@@ -80,7 +80,7 @@ class TolerancedNumber:
 
     @property
     def name(self) -> str:
-        """The parameter's name."""
+        """The name of the number's parameter."""
         return self.parameter.name
 
 
@@ -115,7 +115,7 @@ def read_tolerances(path: Path) -> Tolerances:
 
 
 def _fault(source: Source | None, message: str) -> LinkproofError:
-    """The error of a key, with which the message begins, in the file that has it."""
+    """The error about a key, with the file and line if there is a ``source``; the message begins with the key."""
     return LinkproofError(message) if source is None else source.fault(message)
 
 
@@ -252,7 +252,7 @@ class ToleranceRequest:
 
     @property
     def names(self) -> list[str]:
-        """The numbers of the description in which the designs differ."""
+        """Names of the numbers of the description in which the designs differ."""
         return list(self.designs(np.zeros((len(self.tolerances), 1))))
 
     def designs(self, offsets: Array) -> dict[str, Array]:
@@ -286,7 +286,7 @@ class ToleranceRequest:
         return np.concatenate(parts, axis=1)
 
     def derivatives(self) -> Array:
-        """Derivatives of the results by what has a tolerance, (results, tolerances)."""
+        """Derivatives of the results by the toleranced numbers, (results, tolerances), SI."""
         nominal = self._nominal_numbers
         _, gradients = self.case.gradients({name: nominal[name] for name in self.names}, self.figures)
         by = dict(zip(self.names, gradients.T, strict=True))
@@ -422,7 +422,7 @@ class ToleranceStudy:
 
 
 def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:
-    """Work tolerances through; raises LinkproofError where the nominal design or hardly any random one assembles."""
+    """Compute a tolerance study; raises LinkproofError where the nominal or nearly all random designs fail."""
     count, sizes = len(request.tolerances), np.array([tolerance.plus_minus for tolerance in request.tolerances])
     derivatives = request.derivatives()
     alone = np.concatenate([np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes)], axis=1)

@@ -189,7 +189,7 @@ class KnownFit:
 
 @lru_cache
 def _one_way(law: str) -> CrankMotion:
-    """A run-up or one way of a swing in 1 s, and long enough after it."""
+    """The motion of a law that takes 1 s, followed by a long rest or steady turning."""
     rest = 2.0 / SHORTEST_TIME
     if law in RUN_UPS:
         return crank_motion(law, speed=1.0, ramp_time=1.0, hold_time=rest)
@@ -197,7 +197,7 @@ def _one_way(law: str) -> CrankMotion:
 
 
 def _shape(family: str, samples: _Samples, time: float) -> Array:
-    """The column (n,) of size 1 of a family with a ramp or swing time, s: one motion on another clock."""
+    """The column (n,) of a family's motion of size 1 with this ramp or swing time, s."""
     way, clock, order = _one_way(family.removesuffix(BACK)), samples.time, int(samples.of_speed)
     if not family.endswith(BACK):
         return np.asarray(way._evaluate(clock / time, order))
@@ -346,7 +346,7 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
 
 
 def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name: str) -> CrankMotion:
-    """The pieces of a spline of angles, rad."""
+    """The motion, named ``name``, with the pieces of a spline of angles, rad."""
     pieces = scipy.interpolate.PPoly.from_spline(curve)
     spans = zip(pieces.x.tolist(), pieces.x[1:].tolist(), pieces.c[::-1].T.tolist(), strict=False)
     every = [(start, end, numbers) for start, end, numbers in spans if end > start]

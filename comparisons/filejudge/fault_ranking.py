@@ -130,7 +130,7 @@ class Fitting:
         return remains
 
     def _residual(self, number: int, curve: Array, moved: DriverMotion | None) -> Array:
-        """The residual of a column, (n,), besides the jumps of a motion that has ``moved``."""
+        """The residual of a column (n,), over its tolerance, without what jumps of the motion ``moved`` explain."""
         signal = self.evidence[number]
         apart = signal.values - curve
         if signal.si == "rad" and np.any(np.isfinite(apart)):  # known but for whole turns
@@ -248,7 +248,7 @@ class _OnALine(Fitting):
         self.ends = [whole.residuals(fault, self.start + change) for change in np.diag(self.sizes)]
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
-        """Residuals (n,) of every column: those without a change, and as much of each change as the numbers are."""
+        """Residuals (n,) of every column, as a linear function of the fault's numbers."""
         remains = list(self.before)
         for end, share in zip(self.ends, (np.asarray(numbers) - self.start) / self.sizes, strict=True):
             if end is None:
@@ -318,7 +318,7 @@ class Explanation:
 def explain(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: ImportedSignal | None = None
 ) -> Explanation:
-    """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
+    """The Explanation of all differences beyond rounding; ``names`` are signals that a column may be taken for."""
     raw = _explain_as_read(simulation, evidence, names, column)
     partly = {name for finding in raw.findings if finding.left > PARTLY for name in finding.signals}
     open_names = {*raw.unexplained, *partly}

@@ -71,7 +71,7 @@ def split_tokens(text: str) -> list[str]:
 
 
 def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
-    """All meanings of each group of words."""
+    """The table of all meanings of each group of words."""
     table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
     for texts, meaning in pairs:
         table[texts] |= {meaning}
@@ -166,7 +166,7 @@ LONGEST_UNIT: Final = 40  # characters of a unit
 
 
 def _find_unit(name: str) -> Unit | None:
-    """A unit by its name, in any case where that is unknown as written; None for no unit."""
+    """The unit of a name, in any case if unknown as written; None for an unknown name."""
     return UNITS_BY_NAME.get(name) or _UNITS_BY_LOWER_CASE.get(name.lower())
 
 
@@ -261,7 +261,7 @@ class HeaderParser:
         }
 
     def _vocabulary_of(self, name: str) -> _Vocabulary:
-        """The vocabulary of a signal or of time."""
+        """The words by which a header may mean a signal or the time."""
         linkage, output = self.linkage, self.linkage.output
         kind, _, rest = name.partition(":")
         part, _, component = rest.rpartition(":")
@@ -299,7 +299,7 @@ class HeaderParser:
         return "s" if name == TIME else signals.unit(name, self.linkage)
 
     def in_stated_unit(self, signal: str, column: Column) -> Meaning:
-        """A signal in the unit that a header states where it measures the signal."""
+        """The meaning of a column as this signal, in the header's unit if that can measure the signal."""
         for _, text in splits(column.header, column.unit):
             unit = parse_unit(text)
             if unit is not None and unit.measures(self.unit(signal).dimension):
@@ -360,7 +360,7 @@ class HeaderParser:
         return fitting
 
     def _why_no_signal(self, read: Sequence[Meanings], unit: Unit | None) -> str:
-        """Why a header whose words are all known means no signal; names the signals of that kind."""
+        """The reason why a header of known words means no signal, with the names of signals of that kind."""
         stated = frozenset[str]().union(*read)
         kind = [name for name, true in self._vocabularies.items() if stated & true.quantity]
         kind = kind or [name for name in self._vocabularies if unit and unit.measures(self.unit(name).dimension)]

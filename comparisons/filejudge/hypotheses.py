@@ -137,7 +137,7 @@ def _slip_words(si: str, k: float) -> str:
 
 
 def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Every fault that lies in one column; ``names`` are the signals that it may be taken for."""
+    """Yield every fault that lies in one column; ``names`` are the signals that it may be taken for."""
     name, size, step = evidence.name, evidence.scale, float(np.median(np.diff(evidence.time)))
     scale, offset, shift = ((name, knob) for knob in ("scale", "offset", "shift"))
 
@@ -195,7 +195,7 @@ def _single_samples(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def _mistaken_quantities(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Another quantity of the linkage under this name, perhaps with the other sign."""
+    """Yield hypotheses that the column is another quantity of the linkage, perhaps with the other sign."""
     name, thin = evidence.name, evidence.thinned(100)
     others = [other for other in names if other != name]
     scale = float(np.max(np.abs(thin.values)))
@@ -326,7 +326,7 @@ def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN4
 
 
 def of_model(simulation: Simulation) -> Iterator[Hypothesis]:
-    """Every fault of a model but those of its motion: settings, then numbers."""
+    """Yield every fault of the model except those of its motion: settings first, then numbers."""
     linkage = simulation.linkage
     yield from _of_gravity(linkage)
     yield from _of_modes(simulation)
@@ -436,7 +436,7 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
-    """All loads of a kind left out; a load at another point or on another link."""
+    """Yield faults of loads: all of a kind left out, or one at another point or on another link."""
     for part in LOADS:
         if getattr(linkage, part):
             words = f"the {part} of the linkage file are left out"
@@ -500,14 +500,14 @@ def _number_words(name: str, number: Number) -> str:
 
 
 def _inertias_about_points(linkage: Linkage, name: str) -> dict[float, str]:
-    """The points of a link by its inertia about each, kg m²."""
+    """Names of a link's points by its moment of inertia about them, kg m²."""
     link = linkage.links[name]
     distances = {point: math.dist(at, link.centre) for point, at in link.points.items()}
     return {(link.inertia or 0.0) + link.mass * d**2: point for point, d in distances.items() if d and link.mass}
 
 
 def _turned(linkage: Linkage, name: str) -> Hypothesis:
-    """A direction that is turned by an angle, rad."""
+    """The hypothesis that a direction is turned by an angle, rad."""
     known, of = named_numbers(linkage), name.removesuffix(".along")
     x, y = (known[f"{name}.{axis}"].value for axis in "xy")
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
@@ -543,7 +543,7 @@ def _of_several_numbers(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float], *kinds: Kind) -> Hypothesis:
-    """All numbers of some ``kinds``, with names that begin ``under``, are multiplied by a factor."""
+    """The hypothesis that all numbers of some kinds, with names that begin ``under``, have a common factor."""
     numbers = {
         label: number.value
         for label, number in named_numbers(linkage).items()
@@ -562,7 +562,7 @@ def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float],
 
 
 def _other_distance(linkage: Linkage, name: str, fixed_point: str, moved: str) -> Hypothesis:
-    """A point of a link at another distance, m, from a ``fixed_point``, in the same direction."""
+    """The hypothesis that a point is at another distance, m, from a ``fixed_point``, in its direction."""
     (x, y), (px, py) = linkage.links[name].points[fixed_point], linkage.links[name].points[moved]
     length = math.dist((x, y), (px, py))
 
@@ -581,7 +581,7 @@ def _other_distance(linkage: Linkage, name: str, fixed_point: str, moved: str) -
 
 
 def _other_centre(linkage: Linkage, name: str) -> Hypothesis:
-    """A link's mass centre elsewhere: at a usual wrong place, or anywhere."""
+    """The hypothesis that a link's mass centre is elsewhere: at a usual wrong place, or anywhere."""
     link = linkage.links[name]
     (x, y), places, size = link.centre, list(link.points.values()), linkage.shortest_length()
     middle = (float(np.mean([p[0] for p in places])), float(np.mean([p[1] for p in places])))

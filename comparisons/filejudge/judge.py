@@ -41,7 +41,7 @@ SURE: Final = 4.0  # within so many standard deviations
 
 
 def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth: Sequence[Array]) -> list[Array]:
-    """Uncertainty of each signal (n,) from the file's rounding of values, instants and crank angles.
+    """The uncertainty, SI, of each signal (n,) due to the file's rounding of values, instants and crank angles.
 
     Of a long signal what instants and angles leave open is worked out at a part of its instants.
     """
@@ -149,7 +149,7 @@ class SignalVerdict(Evidence):
 
     @property
     def detail(self) -> str:
-        """Why the signal did not pass; "" where it did."""
+        """The reason why the signal did not pass; "" where it did."""
         if self.outcome is Verdict.PASSED:
             return ""
         if self.outcome is Verdict.OVER_LIMIT:
@@ -162,7 +162,7 @@ class SignalVerdict(Evidence):
         )
 
     def curve(self, motion: DriverMotion) -> NDArray[np.float32]:
-        """The curve of the signal, which a campaign keeps beside its record."""
+        """The thinned curve of the signal, as a campaign stores it."""
         return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:
@@ -355,7 +355,7 @@ def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
 
 
 def _over_time(signal: ImportedSignal, motion: DriverMotion) -> ImportedSignal:
-    """A signal at even times; of one over the crank angle they are those of a constant speed."""
+    """The signal over time; one over the crank angle gets the times of a constant speed."""
     time, rounding = even_instants(signal.time, signal.time_rounding)
     order = np.arange(len(time))
     if signal.axis == "phi":

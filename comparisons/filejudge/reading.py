@@ -177,7 +177,7 @@ class _Reading:
         return axes[0] if axes else None
 
     def _refuse_duplicates(self) -> None:
-        """Refuse two columns for one signal or axis; one that is taken for it gives way to one that names it."""
+        """Raise LinkproofError for two columns of one signal or axis; a guessed one gives way to a named one."""
         seen: dict[tuple[str, int], tuple[_ReadColumn, Meaning]] = {}
         for column, meaning in sorted(self.with_meaning(), key=lambda pair: bool(pair[1].assumption)):
             axis = self.axes[id(column.table)]
@@ -243,7 +243,7 @@ def read_results(
 
 
 def _distinct_rows(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
-    """The rows of an axis that are instants of their own, the last of equal ones, and a word on those left out.
+    """Indices of the rows with instants of their own, the last of equal ones, and words on rows left out.
 
     Tools write an instant twice where an event changes the motion. Raises LinkproofError for an axis that turns back.
     """

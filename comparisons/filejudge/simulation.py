@@ -74,14 +74,14 @@ class Simulation:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """The closed form of the linkage, in its modes."""
+        """The closed form of the linkage, in the simulation's assembly modes."""
         mechanism = Mechanism(self.linkage)
         if self.modes is not None:
             mechanism.structure = mechanism.structure.with_signs(self.modes)
         return mechanism
 
     def with_values(self, values: Values) -> Simulation:
-        """The simulation with other values of some targets; what they do not concern is not computed again.
+        """The simulation with these values of its targets; results that they do not concern are kept.
 
         Raises LinkproofError where the linkage cannot be so.
         """

@@ -143,7 +143,7 @@ def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> B
 def scene(
     mechanism: Mechanism, drive: Drive, channels: Iterable[Channel], *, start_angle: float = 0.0, speed: float = 0.0
 ) -> Scene:
-    """The scene of a mechanism under a drive.
+    """The scene of a mechanism under a drive, for an engine.
 
     Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
     speed ``speed`` (rad/s), its accelerations taken from the equation of motion.
@@ -172,12 +172,12 @@ class Truth(LinkageInMotion):
 
     @cached_property
     def speed(self) -> Array:
-        """ω, rad/s."""
+        """ω at the instants, rad/s."""
         return self.motion.speed(self.time)
 
     @cached_property
     def acceleration(self) -> Array:
-        """ε, rad/s²."""
+        """ε at the instants, rad/s²."""
         return self.motion.acceleration(self.time)
 
     @cached_property
@@ -268,7 +268,7 @@ class Case:
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
-        """The linkage at the first instant of the motion."""
+        """The linkage posed at the first instant of the motion."""
         return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
@@ -282,7 +282,7 @@ class Case:
         return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
 
     def at(self, time: Array) -> Truth:
-        """The closed form along the motion, cached: all quantities on one clock share its work."""
+        """The Truth at instants (n,), s, cached by clock so that quantities on one clock share its work."""
         key = time.tobytes()
         if key not in self._seen:
             while len(self._seen) >= MOST_CLOCKS:
@@ -322,7 +322,7 @@ class Case:
 
 @lru_cache(maxsize=16)  # a megabyte each, or tens where a crank is released for long
 def unpickle_case(case: bytes) -> Case:
-    """The case of a worker's job, the same for all its jobs, so that they share its results.
+    """The case of a worker's job, the same object for all its jobs, so that they share its cache.
 
     Pickled even within this process: unpickling may change an array's memory order, and with it the last bits of sums;
     so all workers get the same bits.
@@ -345,7 +345,7 @@ def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime) -> FreeM
 
 
 def _release_words(linkage: Linkage, regime: ReleasedRegime) -> str:
-    """Words on how a driver is released: its angle and speed, and its drive."""
+    """Words on how a driver is released: its angle, its speed and its drive."""
     if linkage.is_linear:
         speed = linkage.written(regime.start_speed)
         return (
@@ -374,7 +374,7 @@ def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
 
 
 def _torque_words(regime: ReleasedRegime, unit: str) -> str:
-    """A released crank's torque in words."""
+    """A released crank's torque in words, in this unit."""
     if regime.over_angle is not None:
         return f"{len(regime.over_angle.values)} values over the angle"
     if regime.over_time is not None:

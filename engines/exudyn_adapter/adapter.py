@@ -220,7 +220,7 @@ class ExudynModel:
 
 
 def add_sensors(model: ExudynModel) -> dict[str, Any]:
-    """Add sensors for the scene's channels to a model; returns their numbers by what they measure."""
+    """Add sensors for the scene's channels to a model; returns the sensors' numbers by channel."""
     channels = model.scene.channels
     motion = {
         channel: [model.add_sensor("Node", output, nodeNumber=node) for node in model.nodes.values()]
@@ -266,7 +266,7 @@ class ExudynRecipe(stepped_engine.Recipe):
     adaptive: bool = False
 
     def solver_settings(self) -> dict[str, Any]:
-        """The rule as exudyn's settings, by their dotted names."""
+        """Settings of exudyn for the recipe's rule of integration, by their dotted names."""
         newton, alpha = "timeIntegration.newton", "timeIntegration.generalizedAlpha"
         table: dict[str, Any] = {"solution.file.write": False}
         if self.effort is not None:

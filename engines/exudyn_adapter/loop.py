@@ -75,7 +75,7 @@ class LinearDriver:
         return self.span(np.concatenate(places).tolist())[0]
 
     def functions(self) -> Data:
-        """The constraint, one equation on position or velocity level, and its Jacobian."""
+        """Two functions for exudyn: the constraint, on position or velocity level, and its Jacobian."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
             """The error of φ, m, or of its rate, m/s, at time ``t``, in the form that exudyn calls."""
@@ -150,7 +150,7 @@ class ExudynWorld:
         return float(self.given["start"] + turned)
 
     def unwind(self, position: Array) -> Array:
-        """Coordinates without the whole turns of their angles.
+        """Coordinates without the whole turns of their angles, which are noted in ``unwound``.
 
         On position level accelerations and forces carry the rounding of angles and times over the square of the step,
         which would grow with them: 2e-5 of the torque's peak after 300 turns.

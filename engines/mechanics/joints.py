@@ -220,7 +220,7 @@ class JointEquations:
         return self.gather(loads / np.array([1.0, 1.0, self.unit]))
 
     def crank_unit(self, count: int) -> Reals:
-        """The vector e for each instant, (count, rows): 1 in the crank's row."""
+        """The unit vector e of the crank's row for each instant, (count, rows)."""
         result = np.zeros((count, self.rows))
         result[:, self.crank_row] = 1.0
         return result
@@ -346,7 +346,7 @@ def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Re
 
 
 def _turned_from(coil: TurnSpring, numbers: dict[str, int], pose: Pose) -> Reals:
-    """Angle, rad, between a torsion spring's bodies less the free one, within half a turn to either side."""
+    """Angle, rad, (n,), of a torsion spring's bodies to each other less the free angle, within half a turn."""
     turned = pose.angle[:, numbers[coil.first]] - pose.angle[:, numbers[coil.second]] - coil.angle
     return np.asarray(np.pi - np.mod(np.pi - turned, 2.0 * np.pi))
 

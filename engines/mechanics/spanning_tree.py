@@ -40,7 +40,7 @@ class Branch:
 
     @property
     def name(self) -> str:
-        """The joint's name; empty where there is none."""
+        """The joint's name; "" for a body that no joint holds."""
         return self.joint.name if self.joint else ""
 
     @property
@@ -78,7 +78,7 @@ class SpanningTree:
         return turning & set(chain)
 
     def _chain(self, name: str) -> list[str]:
-        """A body and those that carry it, down to the ground."""
+        """Names of a body and of those that carry it, down to the ground."""
         parents = {branch.body.name: branch.parent for branch in self.branches}
         chain = [name]
         while chain[-1] != GROUND:
@@ -98,7 +98,7 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
 
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
-        """Order in which joints become branches: smaller first."""
+        """The sort key by which joints become branches: smaller first."""
         ends = _joined_bodies(joint)
         pinned = isinstance(joint, PinJoint)
         misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
@@ -163,13 +163,13 @@ def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bo
 
 
 def point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
-    """Position and velocity of a point of a body, as complex numbers."""
+    """Position, m, and velocity, m/s, of a point of a body at the start, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
 
 
 def ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
-    """A joint's first and second body, each with the joint's point on it."""
+    """For each of a joint's bodies, the first one first, its name and the joint's point on it."""
     (first, second), (on_first, on_second) = _joined_bodies(joint), anchors(joint)
     return (first, on_first), (second, on_second)
 

@@ -60,7 +60,7 @@ def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
 
 
 def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
-    """One sentence on the joint the start state fits worst, or on a crank that is not where its drive has it."""
+    """The sentence on the joint that the start state fits worst, or on a crank off its drive; None if all fit."""
     if isinstance(scene.drive, Prescribed):
         segment = scene.drive.motion.segments[0]
         prescribed = [float(segment.value(segment.start, order)) for order in range(3)]
@@ -126,7 +126,7 @@ def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
 
 
 def _data_faults(scene: Scene, least: float) -> Iterator[str]:
-    """Faults of a scene's data, each in a sentence; masses and inertias must be at least ``least``."""
+    """Sentences on faults of a scene's data; masses and inertias must be at least ``least``."""
     names = [body.name for body in scene.bodies]
     known = {GROUND, *names}
     if len(known) != len(names) + 1:
@@ -158,7 +158,7 @@ def _data_faults(scene: Scene, least: float) -> Iterator[str]:
 
 
 def _weight_faults(body: Body, least: float) -> Iterator[str]:
-    """Faults of the mass and the inertia of a body, each in a sentence."""
+    """Sentences on faults of a body's mass and inertia, which must be at least ``least``."""
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
             if value == 0.0:
@@ -168,7 +168,7 @@ def _weight_faults(body: Body, least: float) -> Iterator[str]:
 
 
 def _value_faults(scene: Scene) -> Iterator[str]:
-    """Finite numbers that an engine cannot run with, each in a sentence."""
+    """Sentences on finite numbers that are too large or too small for an engine."""
     if not all(abs(component) < LARGEST for component in scene.gravity):
         yield "gravity is not finite"
     for spring in scene.springs:

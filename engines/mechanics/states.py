@@ -32,7 +32,7 @@ class Pose:
     sine: Reals
 
     def moved(self, step: Reals) -> Pose:
-        """The pose after a small step (n, bodies, 3) in x, y and angle."""
+        """The pose after a small step, (n, bodies, 3), of x, y and angle."""
         turn = step[..., 2]
         c, s = np.cos(turn), np.sin(turn)
         return Pose(
@@ -43,7 +43,7 @@ class Pose:
         )
 
     def scaled(self, factor: float) -> Pose:
-        """The pose in another unit of length."""
+        """The pose with its lengths times a factor, in another unit."""
         return Pose(self.place * factor, self.angle, self.cosine, self.sine)
 
     def coordinates(self) -> Reals:
@@ -91,7 +91,7 @@ def start_motion(scene: Scene) -> tuple[Reals, Reals, Reals]:
 
 
 def body_numbers(scene: Scene) -> dict[str, int]:
-    """The place of every body in the arrays, by name; the ground is the last."""
+    """The index of every body in the arrays, by its name; the ground's is the last."""
     return {name: number for number, name in enumerate([*(body.name for body in scene.bodies), GROUND])}
 
 
@@ -185,7 +185,7 @@ class Driver:
         return pose.angle[:, self.crank] if span is None else span.length
 
     def gradient(self, span: Span | None, count: int) -> Reals:
-        """∂φ over every body's x, y and angle, (n, bodies, 3)."""
+        """The gradient of φ over every body's x, y and angle, (n, bodies, 3)."""
         result = np.zeros((count, self.count, 3), dtype=float if span is None else span.between.dtype)
         if span is None:
             result[:, self.crank, 2] = 1.0

@@ -106,7 +106,7 @@ def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]
 
 
 def torque_bound(scene: Scene, size: float) -> float:
-    """A torque well above any that a prescribed drive can need, N m: all mass at the scene's size, at its peak.
+    """A torque, N m, well above any that a prescribed drive can need: all mass at the scene's size, at its peak.
 
     A motor works against it, which keeps the sign of what it exerts. Of a linear drive it is a force, N, at a lever of
     a hundredth of that size.

@@ -67,7 +67,7 @@ class PartLayout:
 
     @cached_property
     def equations(self) -> JointEquations:
-        """The equations of all joints between parts."""
+        """The equations of all joints between the parts."""
         return JointEquations(self.scene, geared=self.gears)
 
     @property
@@ -77,7 +77,7 @@ class PartLayout:
         return coordinates - 2 * len(self.scene.pins) - len(self.scene.guided) - len(self.gears)
 
     def tangent(self, scene: Scene) -> tuple[list[Vector], list[float]]:
-        """Velocities and angular velocities of all parts over the driver's at the start of the scene that was cut."""
+        """Velocities and spins of all parts per unit of the driver's, at the start of the scene that was cut."""
         position, rate, second = start_motion(scene)
         _, speed, gain = (float(value[0]) for value in driven(scene, position, rate, second))
         # Whatever starts from rest sets off along its acceleration.
@@ -113,7 +113,7 @@ def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyP
 
 
 def split_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
-    """Cut off a part that can turn, its centre at ``centre``. Returns the rest and the rail."""
+    """Cut off a part that can turn, with its centre at ``centre``; returns the rest and the part, a rail."""
     assert part.inertia is not None
     share = part.inertia / 4.0
     rest, point = split_point_mass(replace(part, inertia=part.inertia - share), centre)
@@ -126,7 +126,7 @@ def plain_layout(scene: Scene) -> PartLayout:
 
 
 def exact_layout(scene: Scene) -> PartLayout:
-    """The scene cut so that every groove is exact."""
+    """The parts of the scene, cut so that every groove is exact."""
     parts, shoes, rails = _uncut_parts(scene), dict[str, str](), dict[str, str]()
     lifts, resting = list[PointSpring](), RESTING * sum(body.mass for body in scene.bodies)
     gravity, height = math.hypot(*scene.gravity), reach(scene)

@@ -111,7 +111,7 @@ class PymunkWorld:
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
-        """The constraint that prescribes the driver."""
+        """Create the constraint that prescribes the driver."""
         if self.line is None:
             return pymunk.SimpleMotor(self.space.static_body, self.crank, 0.0)
         (first, here), (second, there) = self.line.ends
@@ -233,7 +233,7 @@ def build(model: Data) -> PymunkWorld:
 
 
 def follow(world: PymunkWorld, course: Data) -> Data:
-    """The samples of a course, which is one part."""
+    """Step through the one part of a course and return its samples."""
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
     step = part["end"] / int(samples[-1])

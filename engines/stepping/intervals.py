@@ -80,7 +80,7 @@ def check_step(step: float) -> None:
 
 
 def whole_steps(duration: float, step: float, least: int) -> int:
-    """Number of equal steps of at most ``step`` that make up a duration, ``least`` or more."""
+    """The number, at least ``least``, of equal steps of at most ``step`` that fill a duration."""
     return max(least, math.ceil(duration / step - ROUNDING))
 
 
@@ -108,7 +108,7 @@ class Interval:
 
     @property
     def step(self) -> float:
-        """Basic step, s."""
+        """The basic step of the interval, s."""
         return (self.end - self.start) / self.samples
 
 
@@ -139,7 +139,7 @@ def released_intervals(duration: float, kinks: Sequence[float], step: float) -> 
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
-    """The motion's segments in steps no longer than the pace allows."""
+    """The motion as intervals of equal steps, each no longer than the pace allows."""
     first = motion.segments[0]
     if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
         pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))

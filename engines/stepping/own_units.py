@@ -42,7 +42,7 @@ def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
 
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
-    """The same scene with every number in the units given."""
+    """The same scene with every number in these units."""
     sizes = {kind: units.unit(kind, scene.driver_kind) for kind in Kind}
     values = {path: value / sizes[kind] for path, kind, value in walk(scene) if sizes[kind] != 1.0}
     result: Scene = with_values(scene, values)

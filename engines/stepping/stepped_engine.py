@@ -170,7 +170,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return installed_version(self.distribution or self.package)
 
     def why_unavailable(self) -> str | None:
-        """Why the engine cannot be used here, in one sentence with the cure; nothing is imported."""
+        """The reason, with the cure, why the engine cannot be used here; None where it can. Nothing is imported."""
         return why_unusable(self.distribution or self.package, self.name, self.oldest)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
@@ -280,7 +280,7 @@ class LoopEngine(SteppedEngine[Any, R]):
 
     @abstractmethod
     def model(self, scene: Scene, recipe: R) -> Mapping[str, Any]:
-        """A scene in plain data, arrays of NumPy among them, for the loop's ``build``."""
+        """The scene as plain data, NumPy's arrays among them, for the loop's ``build``."""
 
     def build(self, scene: Scene, recipe: R) -> Any:  # noqa: ANN401 - the loop's
         """The loop's world, built from the plain data of the scene."""
