@@ -173,7 +173,7 @@ POINTS = ["mechanism", "regime", "engine", "setting", "runs", "effort", "step", 
 
 
 def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
-    """A block per mechanism, regime and quantity: the requested ones, else the one each place is judged by."""
+    """The printed benchmark: a block per mechanism, regime and requested, or else foremost, quantity."""
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in requested if name in quantities(place)] or [foremost(place)]:
@@ -305,7 +305,7 @@ def choices_section(regimes: Regimes, note: str) -> Section:
 
 
 def _table(caption: str, corner: str, groups: Regimes) -> Table:
-    """A row for every engine of a group; cells that say the same are one."""
+    """A table with a row for every engine of a group; neighbouring cells that are equal are joined."""
     head = (corner, "Engine", *map(bound, WANTED))
     return Table(caption, head, tuple(blank_repeats(_choice_rows(groups))), "l", style="choices")
 
@@ -353,7 +353,7 @@ def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
 
 
 def place_data(place: DataFrame) -> dict[str, Any]:
-    """Sweeps and settings of one mechanism and regime, JSON-ready.
+    """Sweeps and settings of one mechanism and regime for the diagram, JSON-ready.
 
     A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first. A sweep's
     ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the

@@ -351,7 +351,7 @@ class Model:
 
 
 def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
-    """The model of a linkage under a motion, or the reason for its absence."""
+    """The Model of a linkage under a motion, or the reason in words why it has none."""
     if mechanism.is_numerical:
         return "one of its groups has no formula and is solved by Newton's method"
     if not is_traceable(mechanism):
@@ -395,7 +395,7 @@ def results(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def loads(linkage: Linkage) -> list[Law]:
-    """The forces and torques of a linkage, in the order in which they are scaled."""
+    """The laws of all forces, then of all torques, in the order in which the page scales them."""
     return [*(load.force for load in linkage.forces), *(load.torque for load in linkage.torques)]
 
 

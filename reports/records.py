@@ -139,7 +139,7 @@ def anchor(*names: str) -> str:
 
 
 def family(quantity: str) -> str:
-    """A quantity's name without the part it is of: forces of all joints are one family."""
+    """A quantity's name without the part it belongs to, so that forces of all joints are one family."""
     return quantity.partition(":")[0]
 
 
@@ -268,7 +268,7 @@ def _limit_and_reason(record: Error, limits: LimitTable) -> tuple[float, str]:
 
 
 def limit_table(results: CampaignResults) -> Table:
-    """The limits of these records, largest first within the order of the quantities."""
+    """The table of the records' limits, by quantity, the largest first."""
     names = [name for part in columns(results) for name in part]
     groups = grouped((_limit_and_reason(record, results.limits), record) for record in every_record(results))
     rows = []
@@ -297,7 +297,7 @@ HEAD = ("mechanism", "regime", "engine", "quantity", "", "before", "now", "unit"
 
 
 def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
-    """A table with a row for every change that fails; no table without any.
+    """The table with a row for every change that fails, as the only member; () without any.
 
     Quantities of a run that have no value any more share a row.
     """
@@ -362,7 +362,7 @@ def computed_or_shared(records: Sequence[Error]) -> str:
 
 
 def readout_table(engine_name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
-    """The read-outs of an engine, as ``Abilities.as_dict`` has them."""
+    """The table of an engine's read-outs, which are in the form of ``Abilities.as_dict``."""
     rows = tuple(
         (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
         for channel, names in groups.items()

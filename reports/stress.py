@@ -178,7 +178,7 @@ def summary(stress: Stress, macro: str) -> str:
 
 
 def ranking(stress: Stress) -> str:
-    """How many cells are within limit, the best engine first, in a sentence.
+    """A sentence on how many cells of each engine are within limit, the best engine first.
 
     These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
     engine fails.
@@ -204,7 +204,7 @@ def verdict_facts(stress: Stress) -> Facts:
 
 
 def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "") -> Table:
-    """A row to an axis, a column to an engine: how many cells came to what; ``name`` is how an axis is named."""
+    """A table of verdict counts: axes, called by ``name``, down and engines across."""
     rows: list[tuple[Words | TableCell, ...]] = [
         (name(axis), *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes
     ]
@@ -222,7 +222,7 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
-    """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
+    """A table with a row per border; repeated cells are blank. ``name`` gives an axis its name."""
     rows = blank_repeats(
         ((name(border.inside.axis), *border.inside.line[1:],
           TableCell(border_words(border), colour=SIGNS[border.outside.verdict].terminal))
@@ -252,7 +252,7 @@ def _incident_row(cell: Cell, others: int) -> tuple[TableCell | Words, ...]:
 
 
 def printout(stress: Stress) -> Printout:
-    """Counts, borders, missed motions and false alarms, then the summary; each cell if verbose."""
+    """The printed maps: counts, borders, missed motions and false alarms, then the summary; each cell if verbose."""
     key = "  ".join(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown_verdicts(stress))
     parts: list[Printed] = [count_table(stress, str), Paragraph(key, colour="dim"), ""]
     parts += [border_table(stress, str), ""] if stress.borders else []

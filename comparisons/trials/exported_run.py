@@ -30,7 +30,7 @@ DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, o
 
 
 def exported(case: Case, engine_name: str, setting: Setting, command: str) -> str:
-    """The script of a case in an engine's setting, written by a ``command``.
+    """The script of a case's run in an engine and setting; ``command`` is named in it.
 
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
@@ -88,7 +88,7 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
 
 def _figure(worst: SignalError) -> ScriptFigure:
-    """The component of a signal that is furthest off, as a script names it."""
+    """The component of a signal with the largest error, as a ScriptFigure."""
     read, true = worst.read, worst.true
     row, column = divmod(int(np.argmax(worst.components)), worst.components.shape[1])
     values = (float(read.time[row]), float(read.values[row, column]), float(true.values[row, column]))

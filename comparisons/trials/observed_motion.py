@@ -83,7 +83,7 @@ class ObservedMotion:
 
     @cached_property
     def last_turn(self) -> slice | None:
-        """The position's samples of the crank's last full turn in one direction.
+        """The slice of the position's samples in the crank's last full turn in one direction.
 
         None without one, or with fewer than DENSE samples, between which interpolation would add an error that is not
         the engine's.
@@ -104,7 +104,7 @@ class ObservedMotion:
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Where the prescribed acceleration jumps, s."""
+        """Times, s, at which the prescribed acceleration jumps."""
         drive = self.scene.drive
         return () if isinstance(drive, Free) else drive.motion.jumps
 
@@ -153,7 +153,7 @@ class ObservedMotion:
         return np.asarray(np.einsum("nbk,nbk->n", applied_loads(scene, self.pose(time), rate), rate))
 
     def joint_gaps(self, time: Array) -> dict[str, Array]:
-        """How far every joint is open, m: pins apart, sliders and slot pins off their line."""
+        """The opening of every joint, m, (n,), by name: pins apart, sliders and slot pins off their line."""
         equations, pose = JointEquations(self.scene, unit=1.0), self.pose(time)
         openings = equations.openings(equations.residual(pose, equations.arms(pose)))
         return {name: np.asarray(openings[:, number]) for number, name in enumerate(equations.joints)}
@@ -214,7 +214,7 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], poi
 
 
 def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
-    """The largest value of a signal (n,) that is smooth but for its ``breaks``, between its samples too."""
+    """The largest value of a signal (n,), between its samples too, smooth except at its ``breaks``, s."""
     points = min(SHARP_POINTS, len(signal.time))
 
     def between(time: Array) -> Array:
@@ -266,7 +266,7 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
 
 
 def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
-    """∫ dt from the first node to each; a stretch of few samples is taken for a polygon."""
+    """The integral from the first node to each; a stretch of few samples is taken for a polygon."""
     step = np.diff(nodes)
     places = (nodes[:-1, None] + 0.5 * step[:, None] * (1.0 + PLACES)).ravel()
     if len(stretch.time) >= POINTS:

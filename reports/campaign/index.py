@@ -116,7 +116,7 @@ class EngineRanking:
 
     @cached_property
     def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
-        """Records and invariants by engine, setting and family of quantities."""
+        """Records and invariants by key (engine, setting, family of quantities)."""
         every = (*self.results.records, *self.results.invariants)
         groups = grouped(((record.engine, record.setting, self._family_of_record(record)), record) for record in every)
         return {key: EngineRecords(tuple(records)) for key, records in groups.items()}
@@ -211,7 +211,7 @@ def ratio(record: Error) -> str:
 
 
 def verdict(trust: EngineRanking) -> tuple[str, ...]:
-    """Changes, the engines to trust, and the naive settings.
+    """Sentences on changes, on the engines to trust, and on the naive settings.
 
     Nobody is to be trusted where the campaign has not passed. The quickest is not named: a campaign times each run
     once, which cannot tell times from noise; a benchmark can.
@@ -396,7 +396,7 @@ def _engines_section(results: CampaignResults, trust: EngineRanking) -> tuple[Se
 
 
 def picture(trust: EngineRanking) -> Widget:
-    """Error against time, a dot for every engine and setting, for a family of quantities that is chosen."""
+    """A widget of error against time, with a dot for every engine and setting; the family is chosen in it."""
     names = sorted((name for name in trust.families if name not in (RELEASED, CHECKS)), key=FIRST_SHOWN.__ne__)
     figures = [{"name": name, "data": list(_traces(trust, name)), "layout": LAYOUT} for name in names]
     words = sentence("index_picture", settings=[(n, LOOKS[n]) for n in trust.settings if n in LOOKS])
@@ -445,7 +445,7 @@ def leads_to(trust: EngineRanking, record: Error | None) -> str:
 
 
 def settings_table(trust: EngineRanking) -> Table:
-    """Engines down, settings across: the share within limits, how much of a limit is used at worst, and the time."""
+    """The table of engines and settings: share within limits, largest use of a limit, and time."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
         row: list[TableCell | str] = [engine]
@@ -500,7 +500,7 @@ def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> s
 
 
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
-    """Engines down, families of quantities across: the largest error of each, the least of a column marked.
+    """The table of engines and families of quantities: the largest error of each, the least of a column marked.
 
     On a page a cell ``leads`` to the curve of its error.
     """

@@ -20,7 +20,7 @@ AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of t
 
 
 def outline(points: Array) -> Array:
-    """The corners of the convex hull of (n, 2) points, in turn; two ends where the points lie on one line."""
+    """The corners of the convex hull of (n, 2) points, in order; the two ends for points on one line."""
     if len(points) < 2:
         return points
     farthest = np.argmax(points @ np.array([AROUND.real, AROUND.imag]), axis=0)
@@ -49,7 +49,7 @@ def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any 
 
 
 def _box(start: Array, end: Array, half: float) -> list[Array]:
-    """The corners of a box about a line that is twice ``half`` wide."""
+    """The corners of a box, twice ``half`` wide, around a line."""
     across = half * left(unit(end - start))
     return [start + across, end + across, end - across, start - across]
 

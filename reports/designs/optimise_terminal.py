@@ -191,7 +191,7 @@ def _starts(optimum: Optimum) -> str:
 
 
 def document(optimum: Optimum, command: str, conditions: str) -> dict[str, Any]:
-    """The JSON document of an optimum: SI, angles in rad, null for what is not finite."""
+    """The optimum as JSON-ready data: SI, angles in rad, None for numbers that are not finite."""
     problem, search = optimum.problem, optimum.search
     numbers = [
         {"name": variable.parameter.name, "low": variable.low, "high": variable.high,
@@ -248,7 +248,7 @@ PANEL, FRAME = 1.9, 1.2  # in, height of a panel, of the words above and below
 
 
 def before_after_figure(optimum: Optimum, conditions: str) -> Figure:
-    """A panel per signal, the drive's torque first; of each the largest magnitude before and after is marked."""
+    """A figure with a panel per signal, the drive's torque first, and its peaks before and after marked."""
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
     curves = optimum.curves()

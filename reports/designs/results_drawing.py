@@ -47,7 +47,7 @@ def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
 
 
 def _everything(sheet: Sheet) -> Figure:
-    """All panels, in as many rows as there are forces."""
+    """The figure with all panels: scheme, curves, and rows of forces."""
     joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
     vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
     rows = -(-len(vectors) // PER_ROW)

@@ -64,7 +64,7 @@ def _at_instants(sheet: Sheet) -> list[Table]:
 
 
 def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
-    """One row per chosen instant, one column per named signal of the drive and the output."""
+    """The table of some signals: a row per chosen instant, a column per signal."""
     head = [*places(sheet), *(_column_head(sheet, name, name) for name in names)]
     columns = [_column(sheet, name) for name in names]
     rows = [(*where, *cells) for where, cells in zip(_instants(sheet), zip(*columns, strict=True), strict=False)]
@@ -72,7 +72,7 @@ def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
 
 
 def _part_tables(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
-    """A table of all signals of a kind, a row for every part and instant."""
+    """Tables of all signals of a kind, a row for every part and instant."""
     parts = dict.fromkeys(name.rpartition(":")[0] for name in sheet.units if name.startswith(f"{kind}:"))
     components = [f":{component}" for component in COMPONENTS[kind]] + ([MAGNITUDE] if "force" in kind else [])
     labels = [

@@ -111,7 +111,7 @@ def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[fl
 
 
 def write_csv(study: SweepStudy, path: Path) -> None:
-    """Write a line per design, a column per parameter and figure, headed by name and unit.
+    """Write the study as CSV: a line per design, a column per parameter and figure, headed by name and unit.
 
     By hand, for ``to_csv`` of pandas takes three times as long, which is longer than the sweep itself.
     """

@@ -27,7 +27,7 @@ TIED, NONE = "none: equal local maxima", "none"
 
 
 def printout(study: ToleranceStudy) -> Printout:
-    """A table per result, rows by contribution, then in sentences the worst case and the random designs."""
+    """The printed study: a table per result, the largest contribution first; then worst case and random designs."""
     parts: list[Printed] = [Paragraph(study.request.case.conditions, colour="bold")]
     for row in range(len(study.request.figures)):
         parts += ["", _table(study, row), *_sentences(study, row)]
@@ -178,7 +178,7 @@ ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 
 
 def tornado_figure(study: ToleranceStudy) -> Figure:
-    """A panel per result; parameters that move nothing are left out and counted.
+    """A figure with a panel per result; parameters that move nothing are left out and counted.
 
     On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """

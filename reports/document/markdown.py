@@ -26,7 +26,7 @@ MARKUP: Final = re.compile(r"[\\`*\[\]]|(?<![^\W_])_|_(?![^\W_])|<(?=[A-Za-z/!?]
 
 
 def written(parts: Iterable[Part], level: int = 2) -> str:
-    """Parts as paragraphs with a blank line between; ``level`` is that of a heading."""
+    """Parts as Markdown, a blank line between them; ``level`` is that of a heading."""
     return "\n\n".join(filter(None, (_part(part, level) for part in parts)))
 
 
@@ -49,7 +49,7 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
 
 
 def table(result: Table) -> str:
-    """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
+    """A table as Markdown with caption and note; a heading over several columns is repeated in each."""
     over = [words for words, columns in result.groups for _ in range(columns)] or [""] * len(result.head)
     head = [f"{inline(words)} {_cell(cell)}".strip() for words, cell in zip(over, result.head, strict=True)]
     rule = [RULES[result.side(column)] for column in range(len(result.head))]
@@ -65,7 +65,7 @@ def _cell(cell: TableCell | Words) -> str:
 
 
 def _row(cells: Iterable[str]) -> str:
-    """A line of a table; bars inside a cell are escaped."""
+    """A line of a Markdown table; bars inside a cell are escaped."""
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 

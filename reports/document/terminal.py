@@ -75,7 +75,7 @@ def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
 
 
 def _table(table: Table) -> Iterator[Text | Grid]:
-    """Caption, table without rules, note."""
+    """A table for the terminal, without rules: caption, grid, note."""
     if table.caption:
         yield _text(table.caption)
     grid = Grid(box=None, pad_edge=False)

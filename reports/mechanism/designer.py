@@ -68,13 +68,13 @@ def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Calla
 
 
 def finish(axes: Axes, sheet: Sheet, y_label: str, *, is_last: bool = True) -> None:
-    """Labels and limits of axes with curves over the motion; named where they are the last of a column."""
+    """Set labels and limits of axes with curves over the motion; the last of a column names the axis."""
     name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
     draw.finish(axes, f"{name}, {sheet.axis_unit.on_page}" if is_last else "", y_label, turn=sheet.is_turn)
 
 
 def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
-    """Signals one under the other over the motion, each with its peak marked; returns their axes."""
+    """Draw signals one below the other over the motion, each with its peak marked; returns their axes."""
     column = [*host.subplots(len(names), sharex=True, squeeze=False)[:, 0]]
     for row, (axes, name) in enumerate(zip(column, names, strict=True)):
         colour, peak, unit = PALETTE[row % len(PALETTE)], sheet.peaks[name], sheet.unit(name)
@@ -159,7 +159,7 @@ def _dots_in_words(sheet: Sheet) -> str:
 
 
 def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
-    """The tip of every joint's force and of that on the frame, each to its own scale."""
+    """The figure of the hodographs of every joint's force and of that on the frame."""
     vectors = [f"{JOINT}{name}" for name in joints[:MOST_HODOGRAPHS]]
     vectors += ["shaking_force"] if "shaking_force:x" in sheet.values else []
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
@@ -169,7 +169,7 @@ def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
 
 
 def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Mapping[str, str] = NO_TITLES) -> None:
-    """Fx against Fy of each from the origin, to its own scale; of a turn a dot every 30° and the quarters named."""
+    """Draw each vector's Fy over Fx, to its own scale; over a turn with a dot every 30° and named quarters."""
     columns = min(PER_ROW, len(vectors))
     rows = -(-len(vectors) // columns)
     grid = host.subplots(rows, columns, squeeze=False).ravel()
@@ -238,7 +238,7 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(sheet: Sheet) -> Facts:
-    """The facts on the mechanism that hold for every motion: structure, range, output, rest."""
+    """The facts on a mechanism that hold for every motion: structure, range, output, rest."""
     table = {"equilibria": [], **sheet.facts}
     pairs = [text.partition(": ")[::2] for text in lines("mechanism", facts=table) if not text.startswith("Jeq: ")]
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")

@@ -56,7 +56,7 @@ def engines_section(view: View) -> Section:
 
 
 def errors_chart_widget(view: View) -> tuple[Widget, ...]:
-    """All errors and curves of a mechanism; none where no run gave an error."""
+    """The chart of a mechanism as the only member; () where no run gave an error."""
     return (chart(view),) if any(map(view.shown_setting, view.regimes)) else ()
 
 
@@ -66,7 +66,7 @@ def is_imported(view: View) -> bool:
 
 
 def chart(view: View) -> Widget:
-    """All errors and all curves: regime, quantity, engines and settings are chosen; curves are loaded when they are."""
+    """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen."""
     further = curves(view)
     first = next(iter(further), "")
     data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
@@ -75,7 +75,7 @@ def chart(view: View) -> Widget:
 
 
 def errors_section(view: View, regime: Regime) -> Fold:
-    """Every error of a regime in figures, and the reason for each missing one."""
+    """The part with every error of a regime in figures, and the reason for each missing one."""
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_errors_table(view, regime, shown)] if shown else []
@@ -338,7 +338,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
 
 
 def digits(value: float) -> float:
-    """An error to two digits, as it is printed."""
+    """An error rounded to two digits, as it is printed."""
     return float(f"{max(value, LEAST_ERROR):.1e}")
 
 

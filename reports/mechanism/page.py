@@ -55,7 +55,7 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
 
 
 def _plot_feed(sheet: Sheet, figure: Figure) -> None:
-    """The feed over the motion, and the required one where the file has it."""
+    """Draw the thread's feed over the motion, and the required one if the file has it."""
     unit, axes = sheet.file_unit_of("m"), figure.subplots()
     axes.plot(sheet.x, sheet.y("thread_feed"), color=PALETTE[1], label="feed")
     if sheet.required and sheet.axis == "phi":
@@ -119,7 +119,10 @@ def file_of(linkage: Sheet | Linkage) -> str:
 
 
 def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
-    """The page; ``results`` are those of the campaign that its engines ran in, or of a file that was judged."""
+    """The page of a mechanism.
+
+    ``results`` are those of the campaign that its engines ran in, or of a file that was judged.
+    """
     linkage = sheet.linkage
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
     source = f" Source: {linkage.source}." if linkage.source else ""

@@ -29,7 +29,7 @@ def published_section(rows: Sequence[Row]) -> Section:
 
 
 def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> Table:
-    """Printed beside ours; ``named`` makes a quantity's name one for a reader."""
+    """The table of printed figures beside ours; ``named`` makes a quantity's name one for a reader."""
     variants, cells = _variants(rows), []
     for key in dict.fromkeys(map(_key, rows)):
         ours = {row["variant"]: row for row in rows if _key(row) == key}

@@ -38,7 +38,7 @@ def _angle(value: float, unit: FileUnit) -> str:
 
 
 def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure in its unit, with the mark of an extreme at an open end."""
+    """A key figure as text in its unit, marked if it is an extreme at an open end."""
     return _unmarked(sheet, signal_figure) + AT_OPEN_END * signal_figure.at_open_end
 
 
@@ -67,7 +67,7 @@ def jeq(sheet: Sheet, end: str) -> str:
 
 
 def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """Where on the axis a key figure is, as a page prints it."""
+    """The place of a key figure on the axis, as text."""
     at = sheet.place_of(signal_figure)
     if at is None:
         return ""
@@ -93,7 +93,7 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
 
 
 def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
-    """Heads of the columns of places: angle or length, and time."""
+    """The heads of the columns of places: angle or length and, unless φ is the axis, time."""
     phi = f"{at}φ {sheet.unit('phi').name}"
     return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 

@@ -25,7 +25,7 @@ REPORT = (
 
 
 def listed_engines(names: Sequence[str]) -> Listing:
-    """The abilities and read-outs of these engines, of all by default."""
+    """The abilities and read-outs of these engines, or of all, as a listing."""
     tables = [_describe_engine(adapter) for adapter in registered(names or engine_names())]
     return Listing([part for table in tables for part in _engine_parts(table)], {"records": tables})
 
@@ -87,7 +87,7 @@ class EngineFindings(Study):
         return printout(self.engine, self.checks)
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The checks with the engine's version."""
+        """The checks and the engine's version, JSON-ready."""
         return {"engine": self.engine, "version": self.version, "checks": self.rows()}
 
     def rows(self) -> Sequence[Mapping[str, Any]]:

@@ -53,14 +53,14 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """0 if every signal is within the limit, else 1; raises LinkproofError if nothing could be judged."""
+        """The exit code: 0 if every signal is within the limit, else 1; raises LinkproofError if none is judged."""
         if all(verdict.outcome is Verdict.UNDEFINED for verdict in self.verdicts):
             raise LinkproofError(f"expected a signal to judge, got none: {self.verdicts[0].detail}")
         return 0 if self.passed else 1
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Probable slips of the linkage's file."""
+        """Warnings about probable slips of the linkage's file."""
         return list(warnings(self.model.linkage))
 
     def printout(self) -> Printout:

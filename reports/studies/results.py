@@ -70,11 +70,11 @@ class Results(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Extremes at open ends, and probable slips of the file."""
+        """Warnings about extremes at open ends, and about probable slips of the file."""
         return warning_texts(self.sheet)
 
     def printout(self) -> Printout:
-        """Tables of the key figures, or of every signal at the chosen instants."""
+        """The printed tables of key figures, or of every signal at the chosen instants."""
         return Printout(results_terminal.printed(self.sheet), ())
 
     def sentence(self) -> Printed:
@@ -96,7 +96,7 @@ class Results(Study):
         return pd.DataFrame(results_terminal.columns(self.sheet))
 
     def plot(self, figure: str | None = None) -> Figure:
-        """The scheme and the curves, or one ``figure`` alone."""
+        """A figure of the scheme and the curves, or of one ``figure`` alone."""
         from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
 
         return results_figure(page_sheet(self.case), figure)

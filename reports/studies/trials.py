@@ -101,7 +101,7 @@ class Comparison(Trials):
 
     @property
     def records(self) -> tuple[Error, ...]:
-        """Errors beside their limits, and invariants."""
+        """Errors with their limits and verdicts, then invariants."""
         return tuple(error for run in self.results.runs for error in run.every)
 
     @property
@@ -116,7 +116,7 @@ class Comparison(Trials):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Probable slips of the linkages' files."""
+        """Warnings about probable slips of the linkages' files."""
         return [text for linkage in self.results.linkages for text in warnings(linkage)]
 
     def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
@@ -259,7 +259,7 @@ class Benchmark(Trials):
         return self.bench.as_dict
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for every point and quantity."""
+        """A DataFrame with a row for every point and quantity."""
         return self.bench.table
 
     @property

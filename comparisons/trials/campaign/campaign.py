@@ -51,7 +51,7 @@ class CampaignRequest:
 
 
 def tasks(request: CampaignRequest) -> list[Task]:
-    """The runs of a request, in a stable order; a key identifies a run as ``Error.run`` does.
+    """The tasks of a request's runs, in a stable order; a key identifies a run as ``Error.run`` does.
 
     Raises UnknownNameError, AssemblyError or StructureError before any run is made.
     """
@@ -62,7 +62,7 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
-    """The runs of one case: every engine in every setting."""
+    """The tasks of one case: every engine in every setting."""
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
     check_defined(
@@ -181,7 +181,7 @@ def compared(
     *,
     with_invariants: bool = True,
 ) -> RunRecord:
-    """A run with the errors of its motion in these quantities, and its invariants."""
+    """The run with the errors of its motion in these quantities and, if asked for, its invariants."""
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
     found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
     return replace(

@@ -120,7 +120,7 @@ class CampaignResults:
 
     @property
     def rows(self) -> list[Error]:
-        """The rows of all errors and figures."""
+        """All errors and key figures, as rows."""
         return [*self.records, *self.invariants, *self.figures]
 
     @cached_property
@@ -191,7 +191,7 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
 
 
 def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
-    """Write a campaign, or a judgement, into a folder, in the place of another there and of a designer's results."""
+    """Write a campaign or judgement into a folder, replacing another one there and a designer's results."""
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
 
@@ -222,7 +222,7 @@ CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "
 
 
 def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
-    """Fill a CSV file with the curves of all runs, with every digit of their few samples.
+    """Write the curves of all runs into a CSV file, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
     observed and reference in the unit.

@@ -70,7 +70,7 @@ def described_motion(row: MotionRow) -> CrankMotion:
 
 
 def save_case(folder: Path, case: Case) -> None:
-    """Put a case among those of a folder, in the place of an earlier one of its linkage."""
+    """Write a case into a folder, replacing an earlier one of its linkage and variant."""
     linkage, motion = case.mechanism.linkage, case.motion
     row = CaseRow(
         linkage=linkage_row(linkage),
@@ -89,7 +89,7 @@ def _key(row: CaseRow) -> str:
 
 
 def load_cases(folder: Path) -> list[Case]:
-    """The cases of a folder; raises LinkproofError for one that is damaged."""
+    """The saved cases of a folder; raises LinkproofError for a damaged one."""
     return [*map(_case_of_row, _load_rows(folder))] if has_study(folder, RESULTS) else []
 
 

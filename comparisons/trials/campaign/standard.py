@@ -31,7 +31,7 @@ THREAD: Final = "thread:length@0s"  # m, of its contour
 
 
 def figures_of_case(case: Case) -> list[Error]:
-    """The key figures of a case, SI, as rows beside those of errors."""
+    """The key figures of a case, SI, as Error records."""
     linkage = case.mechanism.linkage
     motion = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return [
@@ -58,7 +58,7 @@ def key_figures(case: Case) -> dict[str, float]:
 
 
 def _description_figures(case: Case) -> Iterator[tuple[str, float]]:
-    """Figures of the description, SI, that can change without any change of a signal."""
+    """Figures of the description, SI, that may change while no signal does, by name."""
     linkage, start = case.mechanism.linkage, case.start()
     if linkage.output is not None:
         place = start.point(linkage.output.point)

@@ -72,7 +72,7 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
 
 
 def _error_words(worst: SignalError, bound: float) -> str:
-    """The largest error of a signal, when it is, how many are over the bound, and the likeliest cause."""
+    """Words on a signal's largest error, its time, the samples over the bound, and the likeliest cause."""
     reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
     words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
     if len(over) > FEW * len(time):
@@ -172,7 +172,7 @@ def check_claims(trial: EngineTrial) -> None:
 
 
 def _with_first_body(scene: Scene, **changes: object) -> Scene:
-    """A scene with changes in its first body."""
+    """A scene with other fields of its first body."""
     return replace(scene, bodies=(replace(scene.bodies[0], **changes), *scene.bodies[1:]))  # type: ignore[arg-type]
 
 
@@ -250,7 +250,7 @@ def check_settings(trial: EngineTrial) -> None:
 
 
 def check_origins(trial: EngineTrial) -> None:
-    """``naive`` and ``tuned`` are one run; what is made of several runs is not labelled as read."""
+    """Check that ``naive`` and ``tuned`` are one run, and that results of several runs are not labelled as read."""
     for setting in sorted(trial.engine.abilities.settings):
         run, is_single = trial.run(PLAIN, setting), setting is not Setting.BEST
         assert not is_single or len(run.passes) <= 1, (

@@ -30,13 +30,13 @@ CHECKS: Final[Mapping[str, EngineCheck]] = {
 
 
 def examine(pickled: bytes, name: str) -> CheckResult:
-    """Result of the check of this name of a pickled engine, in this process."""
+    """The result of the check of this name, made with a pickled engine in this process."""
     return CHECKS[name].result(_unpickle_trial(pickled))
 
 
 @lru_cache(maxsize=1)
 def _unpickle_trial(engine: bytes) -> EngineTrial:
-    """The engine of a worker's jobs, the same for all, so that they share its runs."""
+    """The trial of a worker's engine, the same object for all jobs, so that they share its runs."""
     return EngineTrial(pickle.loads(engine))
 
 
@@ -62,7 +62,7 @@ def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
 
 
 def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Checks that are expected to fail, each with its reason: the adapter's ``expected_failures`` and those named."""
+    """Checks that are expected to fail, by name with the reason: the adapter's and those ``named``."""
     return {**getattr(engine, "expected_failures", {}), **(named or {})}
 
 

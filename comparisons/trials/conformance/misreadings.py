@@ -28,7 +28,7 @@ SHIFTS: Final = (-1.0, -0.5, 0.5, 1.0)  # samples
 
 
 def likeliest_misreading(right: Reading, wrong: Array) -> str:
-    """The slip that leaves least of the error of values (n, k), in words; empty where none explains it."""
+    """The slip that leaves the least error of values (n, k), in words; "" where none explains it."""
     left, words = min((_largest(wrong - values), words) for words, values in misread(right, wrong))
     return words if left <= EXPLAINED * _largest(wrong - right.values) else ""
 
@@ -94,7 +94,7 @@ def _factor_words(factor: float) -> str:
 
 
 def _bodies(reading: Reading) -> list[str]:
-    """The bodies in whose frame a vector may be read by mistake."""
+    """Names of the bodies in whose frame a vector may be read by mistake."""
     ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
     ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
     bodies = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)

@@ -72,7 +72,10 @@ class Mutant:
 def history_with(
     trial: EngineTrial, method: str, other: Callable[..., Any], sample: str, setting: Setting = Setting.TUNED
 ) -> History | None:
-    """The history of an engine with another ``method``; raises NotTestedError where it has no such method."""
+    """The engine's history of a sample with another function as its ``method``.
+
+    Raises NotTestedError where the engine has no such method.
+    """
     if not hasattr(trial.engine, method):
         raise NotTestedError(f"{trial.engine.name} has no '{method}' to replace, as a SteppedEngine has")
     changed: Any = copy.copy(trial.engine)
@@ -137,7 +140,7 @@ def _with_late_start(signal: Signal) -> Array:
 
 
 def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], trial: EngineTrial) -> History:
-    """The history of the engine's own run of a sample with a channel misread."""
+    """The engine's own history of a sample, with a channel altered by a ``slip``."""
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     right = trial.finished_history(sample)
@@ -146,7 +149,7 @@ def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], tri
 
 
 def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
-    """The history of the engine's runs at several steps, combined by other weights."""
+    """The engine's history with its runs at several steps combined by wrong weights."""
     trial.finished_history(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
         raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")

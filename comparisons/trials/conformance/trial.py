@@ -170,7 +170,7 @@ class EngineTrial:
         return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
 
     def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:
-        """The engine's run of a sample, made once; raises AdapterError."""
+        """The engine's run of a sample, made once and kept; raises AdapterError."""
         if (sample, setting) not in self._runs:
             self._runs[sample, setting] = run_engine(self.engine, scene_of(sample), setting)
         return self._runs[sample, setting]

@@ -147,7 +147,7 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
 
 
 def speed_drift(inspection: Inspection) -> Signal:
-    """Crank speed less what the start and the claimed acceleration make of it and the error of that, over its peak."""
+    """Crank speed less that from the start state and the claimed acceleration, and less its error, over its peak."""
     motion, start = inspection.motion, inspection.start
     time = motion.signal(Channel.VELOCITY).time
     rate = inspection.relaxation_rate(time)
@@ -173,7 +173,7 @@ def closure(inspection: Inspection) -> dict[str, Signal]:
 
 
 def crank_phase(inspection: Inspection) -> Signal:
-    """The driver's distance from its prescribed or released motion, or the largest gap between samples, rad or m."""
+    """The driver's distance from its true motion, or its largest gap between samples if that is too large, rad or m."""
     drive, time = inspection.motion.scene.drive, inspection.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
         signal = Signal(time, np.abs(inspection.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
@@ -183,7 +183,7 @@ def crank_phase(inspection: Inspection) -> Signal:
 
 
 def _largest_gap(inspection: Inspection) -> float:
-    """Largest angle between two samples of a channel, rad, where it is more than half a turn; else 0."""
+    """Largest angle, rad, by which the crank turns between two samples, if more than half a turn; else 0."""
     motion = inspection.motion
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
@@ -247,7 +247,7 @@ def _mean_force(motion: ObservedMotion, time: Array) -> Array:
 
 
 def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
-    """The motion as half of the samples show it."""
+    """The motion with every second sample of each signal."""
 
     def half(signal: Signal) -> Signal:
         """Every second sample of a signal, the first included."""
@@ -341,7 +341,7 @@ LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
-    """One record per invariant; one that needs a channel the engine has not recorded says so."""
+    """The judged records of all invariants that apply; one that lacks a channel says so."""
     return tuple(_each_check(case, motion, blank))
 
 
@@ -427,9 +427,9 @@ def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
 
 
 def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Error:
-    """A record of a signal that should be zero everywhere, relative to a scale; samples without a value are left out.
+    """The judged record of a signal that should be zero, relative to a scale; ``total`` counts all samples.
 
-    Without a single value nothing is judged, and nothing has passed.
+    Samples without a value are left out. Without a single value nothing is judged, and nothing has passed.
     """
     defined = ~np.isnan(signal.values)
     time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)

@@ -92,7 +92,7 @@ class AssurGroups:
         return ties
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
-        """Equations of the joints of these bodies with each other and with placed bodies."""
+        """Row numbers of the joints between these bodies, and between them and placed bodies, with the joint."""
         equations, none = self.equations, self.equations.rows
         rows = []
         for ends in self._pins:
@@ -158,7 +158,7 @@ class Corrected:
 
     @property
     def equations(self) -> JointEquations:
-        """The equations of the scene's joints."""
+        """The joints' equations of the scene."""
         return self.groups.equations
 
     def observed(self, order: int) -> Array:
@@ -239,7 +239,7 @@ class Corrected:
 
     @cached_property
     def jacobian(self) -> Array:
-        """G, (instants, equations, coordinates)."""
+        """The Jacobian G at the corrected poses, (instants, equations, coordinates)."""
         return np.asarray(self.equations.jacobian(self._observed_pose[1]), dtype=float)
 
     @cached_property
@@ -249,7 +249,7 @@ class Corrected:
 
     @cached_property
     def inverse(self) -> Array:
-        """G⁻¹, (instants, coordinates, equations)."""
+        """The inverse of the Jacobian, G⁻¹, (instants, coordinates, equations)."""
         regular = np.all(np.abs(self.determinants) > EPS, axis=1)
         result = np.full(self.jacobian.shape, np.nan)
         result[regular] = np.linalg.inv(self.jacobian[regular])
@@ -257,7 +257,7 @@ class Corrected:
 
     @cached_property
     def reactions(self) -> Array:
-        """λ of the corrected state, (instants, equations), N; moments are over the equations' unit."""
+        """Multipliers λ of the corrected state, N, (instants, equations), moments over the equations' unit."""
         equations = self.equations
         velocity, acceleration = (self.corrected(order) * equations.metres for order in (1, 2))
         loads = applied_loads(equations.scene, self._corrected_pose[0].scaled(equations.unit), velocity)

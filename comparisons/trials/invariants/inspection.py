@@ -49,7 +49,7 @@ class Inspection:
 
     @cached_property
     def start(self) -> tuple[float, float, float]:
-        """φ in the start state, rad or m, its speed and its acceleration."""
+        """φ, rad or m, its speed and its acceleration in the start state."""
         scene = self.motion.scene
         angle, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
         return angle, speed, acceleration
@@ -170,7 +170,7 @@ class Inspection:
         return Signal(time, worst)
 
     def unresolved_intervals(self, time: Array) -> Booleans:
-        """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).
+        """Which intervals of a clock, (n - 1,), the motion changes in faster than its samples can show.
 
         Beside a dead position a group's determinant changes by much of itself from sample to sample; a piece of the
         prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a

@@ -48,7 +48,7 @@ def write_rows(rows: Iterable[Error], file: Path) -> None:
 
 
 def read_rows(file: Path) -> list[Error]:
-    """The rows of a file; raises LinkproofError, with the line, for a file of another form."""
+    """The rows of a CSV file; raises LinkproofError, with the line, for a file of another form."""
     cure = "record it again with --record, or correct the line"
     content = read_file(file, "recorded results", LARGEST)
     try:
@@ -73,7 +73,7 @@ def read_rows(file: Path) -> list[Error]:
 
 
 def _row(cells: list[str]) -> Error:
-    """A row of a file; raises ValueError for a wrong one."""
+    """The Error record of a CSV row's cells; raises ValueError for wrong cells."""
     if len(cells) != len(COLUMNS):
         raise ValueError(f"expected {len(COLUMNS)} columns, got {len(cells)}")
     outcome, text = cells[-2:]
@@ -128,7 +128,7 @@ class Change:
 
     @property
     def share(self) -> float | None:
-        """Relative change; None without both values, or from zero."""
+        """The relative change; None without both values, or from zero."""
         return self.after / self.before - 1.0 if self.before and self.after is not None else None
 
     @property

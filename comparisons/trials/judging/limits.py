@@ -59,7 +59,7 @@ class LimitTable:
     rows: tuple[Limit, ...]
 
     def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "", engine: str = "") -> Limit:
-        """The limit of a record; raises LookupError for a quantity that the table does not cover.
+        """The row of the table that covers a record; raises LookupError for a quantity that no row covers.
 
         Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
         """
@@ -111,7 +111,7 @@ class LimitTable:
 
 @cache
 def shipped_limits() -> LimitTable:
-    """The table that comes with the suite."""
+    """The suite's own table of limits."""
     return table_from_rows(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
 
 

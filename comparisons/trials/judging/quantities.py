@@ -83,7 +83,7 @@ class Quantity:
         return motion.origin(self.channels)
 
     def lacking(self, motion: ObservedMotion) -> str:
-        """The channels, or the joint, it needs and the engine has not recorded; empty if all are there."""
+        """The channels, or the joint, that it needs and the engine has not recorded, in words; "" if none."""
         if self.name.startswith(JOINT_FORCE):
             joint = self.name.removeprefix(JOINT_FORCE)
             return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
@@ -254,13 +254,13 @@ QUANTITIES: Mapping[str, Quantity] = {
 
 
 def all_quantities(case: Case) -> dict[str, Quantity]:
-    """Every quantity that is a result of a case, those of its joints among them."""
+    """Every quantity that applies to a case, those of its joints included, by name."""
     joints = [_joint_force(joint) for joint in case.joint_names()]
     return {q.name: _worded_for_drive(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
 
 
 def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
-    """The quantity in the unit and words of what drives the linkage."""
+    """The quantity, its unit and words replaced by those for a linear drive if the case has one."""
     linkage = case.mechanism.linkage
     if not linkage.is_linear:
         return quantity
@@ -385,7 +385,7 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
 
 
 def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
-    """Compare a signal that was read from an engine's motion; ``clock`` counts the engine's samples of it.
+    """The deviation of a signal that was read from an engine's motion; ``clock`` is its number of samples.
 
     Raises NoSampleError where no sample is left.
     """
@@ -447,7 +447,7 @@ def _magnitudes(values: Array) -> Array:
 
 
 def _sample_times(quantity: Quantity, motion: ObservedMotion) -> Array:
-    """Times at which the engine has samples of a quantity, those left out included."""
+    """Times, s, of the engine's samples of a quantity, those that are left out included."""
     if quantity.clock is Channel.JOINT_FORCE:
         return next(iter(motion.history.joint_force.values())).time
     return motion.signal(quantity.clock).time

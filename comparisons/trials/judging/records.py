@@ -152,11 +152,11 @@ class RunRecord:
         return (*self.errors, *self.invariants)
 
     def judged(self, judge: Callable[[Error], Error]) -> Self:
-        """The run with a new verdict of every error and invariant."""
+        """The run with a new verdict on each error and invariant, given by ``judge``."""
         return replace(self, errors=tuple(map(judge, self.errors)), invariants=tuple(map(judge, self.invariants)))
 
     def rows(self, errors: Iterable[Error]) -> list[dict[str, Any]]:
-        """Errors of the run as rows with the columns of both, JSON-ready."""
+        """Errors of the run as rows, JSON-ready, with the run's own columns in each."""
         own = {name: getattr(self, name) for name in FACTS}
         return [{**own, **error._asdict()} for error in errors]
 

@@ -39,7 +39,7 @@ class Reading:
 
     @property
     def values(self) -> Array:
-        """Samples of the signal, (n, k)."""
+        """Samples of the signal in its own columns, (n, k)."""
         return self.values_at(self.time)
 
     def values_at(self, time: Array) -> Array:
@@ -90,9 +90,9 @@ def readings(scene: Scene, history: History) -> Iterator[Reading]:
 
 
 def true_history(case: Case, scene: Scene, history: History) -> History:
-    """The closed form of all signals of a history, of magnitudes alone where it has no more.
+    """The true values of all signals of a history, from the closed form, at the same times.
 
-    Angles are continuous, as those of engines are.
+    Where the history has only magnitudes of forces, so has the result. Angles are continuous, as those of engines are.
     """
 
     def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:

@@ -32,7 +32,7 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
 
 
 def _processor() -> str:
-    """The processor's own name where the system tells it."""
+    """The processor's name as the system tells it; "unknown processor" where it does not."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -43,7 +43,7 @@ def _processor() -> str:
 
 @cache
 def _commit() -> str:
-    """The commit the program runs from, if it runs from a checkout."""
+    """The commit of the checkout that the program runs from; "not from a checkout" for any other installation."""
     folder = Path(__file__).parent
     command = ["git", "-C", str(folder), "describe", "--always", "--dirty"]
     try:

@@ -89,7 +89,7 @@ def engine(name: str) -> Engine:
 
 
 def engines(names: Sequence[str]) -> list[Engine]:
-    """The adapters of these names, as ``engine`` has them; plug-ins are all asked at the same time."""
+    """The adapters of these names, as from ``engine``; all plug-ins are asked at the same time."""
     if multiprocessing.current_process().daemon:  # a worker
         return [registry.engine(name) for name in names]
     plugins = {name: (name, registry.entry_point(name).value) for name in names if registry.is_plugin(name)}

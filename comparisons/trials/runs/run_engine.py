@@ -77,7 +77,7 @@ class _Named(Protocol):
 
 @contextlib.contextmanager
 def blamed_on(adapter: _Named) -> Iterator[None]:
-    """Turn whatever is raised inside into an AdapterError, but MemoryError, which speaks of the bounds, and an exit.
+    """In the block, turn any exception into an AdapterError, except MemoryError and an exit.
 
     An interruption is the user's in a process that hears Ctrl-C, and the adapter's in a worker.
     """
@@ -110,7 +110,7 @@ def lost(error: BaseException, memory: int) -> Lost:
 
 
 def suite_error(error: BaseException) -> str:
-    """One sentence on an exception that no input of a user should raise."""
+    """A sentence on an exception that is a fault of linkproof, since no input should raise it."""
     return (
         f"this is a fault of linkproof: {_error_words(error)} ({_error_location(error, OURS)}); report it with the "
         f"command and the input, and with the traceback that {SHOW_OUTPUT}=1 shows"
@@ -185,7 +185,7 @@ def checked(run: Run, model: Scene, name: str) -> Run:
 
 
 def readable(run: Run, model: Scene, name: str) -> Run:
-    """The run of the engine of this name, checked against the contract: plain data, and samples of the scene's shapes.
+    """The run, checked against the contract: plain data, and samples of the scene's shapes.
 
     One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
     Raises AdapterError for what no simulation can do wrong.
@@ -287,7 +287,7 @@ def _shown_value(value: object) -> str:
 
 
 def gap(time: Array, drive: Drive) -> str:
-    """Where samples at these times (n,), s, leave out more than a few of their own steps, in words; empty if nowhere.
+    """The first place, in words, where samples at these times (n,), s, leave out several of their steps; "" without.
 
     Before the first and behind the last sample counts too. The own step is the median of those before or of those
     after, the larger one: it may change from one part of a motion to the next. Between samples a gap also turns a

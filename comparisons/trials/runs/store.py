@@ -154,7 +154,7 @@ class Runs:
             yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, run)
 
     def clear(self) -> None:
-        """Remove the study with its runs."""
+        """Remove the study and all its runs from the file."""
         with _transaction(self.connection):
             self.connection.execute("DELETE FROM studies WHERE id = ?", (self.study,))
         self._numbers.clear()
@@ -225,7 +225,7 @@ def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
 def save_study(
     folder: Path, kind: str, document: Mapping[str, Any], runs: Iterable[WrittenRun], instead_of: Iterable[str] = ()
 ) -> None:
-    """Write a study in one transaction, in the place of one of its kind and of those of the other kinds named.
+    """Write a study in one transaction, replacing one of its kind and those of the kinds ``instead_of``.
 
     The runs may come from a generator; they do not stay in memory.
     """
@@ -244,7 +244,7 @@ def save_study(
 
 
 def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", document: str = "{}") -> Runs:
-    """An empty study in the place of another of its kind."""
+    """An empty store of a study of this kind, in place of an earlier one."""
     connection.execute("DELETE FROM studies WHERE kind = ?", (kind,))
     words = (kind, request, "", document)
     made = connection.execute("INSERT INTO studies (kind, request, command, document) VALUES (?, ?, ?, ?)", words)
@@ -258,7 +258,7 @@ def to_json(document: Mapping[str, Any]) -> str:
 
 
 def _json_value(value: object) -> object:
-    """A data class as JSON has it, with its ``sentence`` if it has one; raises TypeError for anything else."""
+    """A data class as a mapping for JSON, with its ``sentence`` if it has one; raises TypeError otherwise."""
     if not is_dataclass(value) or isinstance(value, type):
         raise TypeError(f"cannot write {type(value).__name__} as JSON")
     sentence = getattr(value, "sentence", None)
@@ -273,7 +273,7 @@ def has_study(folder: Path, kind: str) -> bool:
 
 
 def unfinished_command(folder: Path) -> str:
-    """The command that began what is unfinished in a folder; empty if nothing is."""
+    """The command that began a folder's unfinished study; "" if there is none."""
     found: str = _first_row(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
     return found
 

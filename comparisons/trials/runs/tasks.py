@@ -62,7 +62,7 @@ class TaskList(Generic[R]):
         return [task for key, task in by_key.items() if key not in self._runs]
 
     def make(self, tasks: Iterable[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
-        """Make the tasks that have no result yet, begun in their order, and yield each as it ends."""
+        """Make the tasks without a result, begun in their order; yields each as it ends."""
         todo = self.expect(tasks)
 
         def begun(number: int) -> None:

@@ -41,7 +41,7 @@ CONSTS.sleep_unit = 0.02  # s, after which pebble looks again for a worker that 
 
 
 def start_method() -> str:
-    """The start of workers: forked in 5 ms from a server without threads that has imported what they need.
+    """The name of the way to start workers: by a server that forks in 5 ms, or spawned anew.
 
     On Windows, which has no such server, and on macOS, whose libraries may not be forked, every worker is spawned and
     imports anew. ``START`` in the environment overrules it.
@@ -103,13 +103,13 @@ class _Context:
         return getattr(self._context, name)
 
     def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - the name that pebble calls
-        """A pipe from which whatever an engine has written is an OSError, as pebble expects of a broken one."""
+        """A pipe that raises OSError for anything an engine has written into it, as pebble expects."""
         reader, writer = self._context.Pipe(duplex)
         reader.recv = functools.partial(_received, reader)  # type: ignore[method-assign]
         return reader, writer
 
     def Process(self, **arguments: Any) -> _Process:  # noqa: ANN401, N802 - the name that pebble calls
-        """The process; raises OSError for a second one."""
+        """The context's only process, wrapped; raises OSError for a second one."""
         if self.process is not None:
             raise OSError("the process of this pool has ended")
         self.process = _Process(self._context.Process(**arguments))  # type: ignore[attr-defined]
@@ -175,7 +175,7 @@ class Worker:
     job: tuple[int, bytes, bytes, RunBounds]  # index, function and arguments, pickled, and bounds
 
     def __init__(self, module: str) -> None:
-        """Start it; ``module`` is what its jobs need. Raises LinkproofError where that is not possible."""
+        """Start the process; ``module`` is imported for its jobs. Raises LinkproofError if it cannot start."""
         self.used = self.has_died = False
         try:
             start_server([module])
@@ -292,7 +292,7 @@ def _unpickled_function(function: bytes) -> Callable[..., object]:
 
 @contextlib.contextmanager
 def _memory_bounded(memory: int) -> Iterator[None]:
-    """Let the process add at most ``memory`` bytes to its address space, if the system can bound it."""
+    """In the block, let the process add at most ``memory`` bytes, if the system can bound it."""
     try:
         import resource  # noqa: PLC0415
 

@@ -79,7 +79,7 @@ class Border(NamedTuple):
 
 
 def borders(results: Iterable[Cell], *, quick: bool = False) -> list[Border]:
-    """On every line of every map, the first run beyond the easy value on either side that is not within limit.
+    """On every line, on either side of its easy value, the border to the first run that is not within limit.
 
     There is none where the easiest value is not within limit, or where nothing fails.
     """
@@ -155,7 +155,7 @@ class Stress:
 
     @cached_property
     def columns(self) -> Mapping[str, Sequence[float]]:
-        """Each axis' listed values that were run, without those that narrow a border down; all if none is listed."""
+        """The listed values of each axis that were run, by axis; all values if none of these was."""
         seen = grouped((result.axis, result.value) for result in self.results)
         columns = {}
         for name, values in seen.items():
@@ -173,7 +173,7 @@ class Stress:
         return tuple(result for result in self.results if result.verdict in verdicts)
 
     def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
-        """How many cells of an engine, of an axis or of all came to each verdict."""
+        """The number of cells with each verdict, of one engine, of one axis or of all."""
         chosen = (each for each in self.results if engine in ("", each.engine) and axis in ("", each.axis))
         return Counter(result.verdict for result in chosen)
 
@@ -226,7 +226,7 @@ def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> Task
 
 
 def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
-    """Results of cells, in their order; cells that may take as long run together."""
+    """Run cells, those with equal time limits together; returns the results in the cells' order."""
     by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds, alike in sorted(by_seconds.items()):

@@ -94,7 +94,7 @@ class Cell(RunRecord):
 
     @property
     def key(self) -> str:
-        """The cell in words that a command understands."""
+        """The key of the cell as a command takes it: AXIS/ROW/VALUE/ENGINE/USAGE."""
         return f"{self.axis}/{self.row}/{self.value:.6g}/{self.engine}/{self.setting}"
 
     @property
@@ -220,9 +220,10 @@ def motion(conditions: Conditions) -> CrankMotion:
 
 
 def reversal(speed: float, start_angle: float, hold: float, change: float) -> CrankMotion:
-    """Speed to the other direction and back within ``change`` each, constant for ``hold`` before, between and after, s.
+    """A motion that turns to the other direction and back, at constant speed before, between and after.
 
-    The change follows a quintic, so that the acceleration is continuous.
+    Each change takes ``change``, each constant part ``hold``, s. The change follows a quintic, so that the acceleration
+    is continuous.
     """
     segments: list[Segment] = []
     time, angle = 0.0, start_angle
@@ -318,7 +319,7 @@ class Axis:
         return replace(self.row(label), **varied)
 
     def chosen_rows(self, *, quick: bool) -> tuple[Conditions, ...]:
-        """The rows of a full map, or of a quick one."""
+        """The rows of the axis in a full map, or in a quick one."""
         return tuple(row for row in self.rows if row.quick or not quick)
 
     def chosen_values(self, row: Conditions, *, quick: bool) -> tuple[float, ...]:
@@ -395,7 +396,7 @@ def find_cell(key: str) -> Cell:
 
 
 def run_cell(cell: Cell) -> Cell:
-    """Make a cell's run here and now, and judge it."""
+    """Make a cell's run in this process and judge it."""
     begun, adapter = time.perf_counter(), engine(cell.engine)
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     with blamed_on(adapter):
@@ -502,7 +503,7 @@ def _run_to_judge(case: Case, setting: str) -> RunRecord:
 
 
 def _worst_first(errors: Iterable[Error]) -> list[Error]:
-    """The errors that were judged, in finite numbers, with the furthest over its limit, or the nearest to it, first."""
+    """The judged errors with finite numbers, the one that uses most of its limit first."""
     rows = []
     for error in errors:
         if Verdict(error.outcome).judged and error.error_max is not None and error.limit is not None:

@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
-    """The step, s, that makes so many of a turn at the crank's peak speed."""
+    """The step, s, of which ``steps_per_turn`` make a turn at the crank's peak speed."""
     return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
 
 
@@ -142,7 +142,7 @@ def _family_errors(
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
-    """Why the engine has no value of its own for a quantity; empty where it has."""
+    """The reason why the engine has no value of its own for a quantity; "" where it has one."""
     if quantity.lacking(motion):
         return "not offered"
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
@@ -168,7 +168,7 @@ def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
 
 @contextmanager
 def no_collection() -> Iterator[None]:
-    """Switch the garbage collector off while timing, and back to its former state afterwards."""
+    """In the block, switch the garbage collector off; afterwards it is as before."""
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -186,7 +186,7 @@ class Clock:
         self.inside = 0.0
 
     def around(self, function: Callable[..., Any], sign: float = 1.0) -> Callable[..., Any]:
-        """The same function, its time added to that inside, or taken off."""
+        """The function with its time added to ``inside``, or subtracted for a ``sign`` of -1."""
 
         def clocked(*given: Any, **named: Any) -> Any:  # noqa: ANN401 - whatever the function takes
             """Call the function and add its time, with the sign, to ``inside``."""
@@ -199,12 +199,12 @@ class Clock:
         return clocked
 
     def around_callbacks(self, setter: Callable[..., Any]) -> Callable[..., Any]:
-        """The same function, the time of what it is given to be called back taken off."""
+        """The function with the time of callbacks given to it subtracted from ``inside``."""
         return lambda function: setter(function and self.around(function, -1.0))
 
 
 def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
-    """Wall time of a run inside the engine's own calls, s; None of an adapter that does not name them.
+    """Wall time of a run inside the engine's own calls, s; None if the adapter does not name these calls.
 
     The clock slows the run.
     """

@@ -92,7 +92,7 @@ class Point:
 
     @property
     def key(self) -> str:
-        """A name that tells it from all others of the same benchmark."""
+        """The key of the point, unique in the benchmark."""
         return f"{self.case} {self.run.engine} {self.words}"
 
 
@@ -283,7 +283,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
 
 
 def _document(request: BenchRequest) -> dict[str, Any]:
-    """All but the points, ready for JSON."""
+    """The benchmark without its points, JSON-ready."""
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in request.cases}
     return {
         "command": request.command,
@@ -321,7 +321,7 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
 
 
 def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
-    """All sweeps of the request; an engine that is not installed has one point that says so."""
+    """All sweeps of the request; an engine that cannot be used has a single point that says why."""
     for number, case in enumerate(request.cases):
         for name in request.engines:
             absent = why_unavailable(engine(name))
@@ -393,7 +393,7 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
 
 
 def _runs(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[BenchRun]:
-    """All runs, by case and engine in the requested order, then as measured."""
+    """All runs by case and engine in the requested order, then in the order measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].run.engine]))
     return [run for sweep in ordered for run in rounds.runs(sweep)]

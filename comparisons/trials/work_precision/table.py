@@ -215,7 +215,7 @@ def theil_sen(x: Array, y: Array) -> float:
 
 
 def _steady_slope(steps: Array, errors: Array) -> float | None:
-    """The slope of a window whose every refinement has that slope, near enough."""
+    """The slope of a window if every refinement in it has about this slope; else None."""
     slope = theil_sen(steps, errors)
     local = np.diff(errors) / np.diff(steps)
     steady = bool(np.all(np.abs(local - slope) <= SLOPE_SHARE * abs(slope) + SLOPE_ROOM))
@@ -241,7 +241,7 @@ def pareto(costs: Sequence[float], errors: Sequence[float]) -> Booleans:
 
 
 def sustained(errors: Sequence[float], limit: float) -> int | None:
-    """Place of the coarsest step from which on every finer one, down to the smallest error, is at or below ``limit``.
+    """Index of the coarsest step from which all finer ones, down to the smallest error, are at or below ``limit``.
 
     A coarse step can be right by accident; one that the next finer step contradicts is not to be relied on. None where
     the error is never reached.
@@ -276,7 +276,7 @@ FOREMOST = ("Mkr", "phi")  # the quantity by which a place is judged unless the 
 
 
 def rows(points: DataFrame) -> list[Row]:
-    """The rows of a table, whose columns are their names; ``DataFrame.itertuples`` takes ten times as long."""
+    """The rows of a table as named tuples; ``DataFrame.itertuples`` takes ten times as long."""
     row = _row_type(tuple(points.columns))
     return [row._make(values) for values in points.to_numpy(dtype=object).tolist()]
 
