@@ -17,7 +17,7 @@ from analytic.description.units import MEASURED, UNITS, FileUnit, Kind, factor
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
-    """The file's unit for an SI unit; s, J and W remain."""
+    """The file's unit that takes an SI unit's place; units without one in files, such as s, J and W, stay SI."""
     if si not in MEASURED:
         return FileUnit(si, 1.0)
     kind, rate = MEASURED[si]

@@ -198,7 +198,10 @@ def _known_figures(known: Mapping[str, str]) -> list[str]:
 
 
 def _signals_of_family(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
-    """Names of the signals that a typed name means: itself, or all forces or groups of a family."""
+    """Names of the signals that a typed name means: itself, or all forces or groups of a family.
+
+    Raises LinkproofError for an unknown signal, and for one that the linkage lacks.
+    """
     ending = MAGNITUDE if signal == "joint_force" else ""
     members = [key for key, words in known.items() if words == f"{key}{ending}" and key.startswith(f"{signal}:")]
     if signal in NEEDS and signal not in known and not members:

@@ -58,7 +58,7 @@ class FigureRequest:
 
     @property
     def grid(self) -> Array:
-        """The crank angles, rad, with the end of the period added."""
+        """The crank angles, rad, with the end of the period added; unchanged without a period."""
         return (
             self.crank_angles
             if self.period is None

@@ -130,7 +130,7 @@ def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain o
 
 
 def generalised_force(sweep: Sweep, speed: ArrayLike = 0.0) -> Array:
-    """Q, N m: gravity and every load, of which only the direction of the driver's ``speed`` counts; 0: as φ grows."""
+    """The generalised force Q over φ, N m, of gravity and all loads; one-way loads act by the sign of ``speed``."""
     total: Array = gravity_force(sweep)
     for _, part in load_forces(sweep, speed):
         total += part

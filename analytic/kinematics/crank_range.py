@@ -182,7 +182,7 @@ class _Margins:
         return Toggle(self.start + offset, solver.group, solver.form.dead_position())
 
     def nearest_limit(self, direction: float) -> Toggle | None:
-        """The nearest end of the range in a direction, 1 or -1; None where a whole turn has none."""
+        """The end of the range in a direction of φ, 1 or -1; None for a crank that turns fully that way."""
         offsets = direction * self.offsets
         margins = self.margins(offsets)
         least = -ROUNDING if is_followed(self.structure) else TOUCHING

@@ -287,7 +287,7 @@ class _PinDyad(_DyadForm):
         return _magnitude_sum(first.base, second.base)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
-        """The rates of both sides' unknowns, an angle or a travel, or the slopes of these."""
+        """The rates x' of both sides' unknowns, an angle or a travel, or their slopes, from what ``carried`` gives."""
         first, second = self.sides
         gap = frames.minus(carried[1], carried[0])
         return second.moment(gap) * self.scale, first.moment(gap) * self.scale

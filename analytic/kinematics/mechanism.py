@@ -43,7 +43,7 @@ class Mechanism:
         self._assemble(linkage, ())
 
     def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
-        """Find the groups, their assembly modes and their change points."""
+        """Set the linkage, its structure with assembly modes and change points, and its period."""
         self.linkage = linkage
         signed = _with_assembly_modes(linkage, find_structure(linkage), signs)
         self.structure, self.undetermined = with_change_points(signed, linkage.sketch_angle)

@@ -185,7 +185,7 @@ def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
+    """The output's stroke, the ends of its travel, largest speed and acceleration; none without an output."""
     if "S" not in peaks:
         return
     places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})

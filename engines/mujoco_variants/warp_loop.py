@@ -25,7 +25,7 @@ class WarpWorld(ClockedWorld):
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:
-        """Hand C MuJoCo's model, with the step it has now, to Warp."""
+        """Hand C MuJoCo's model, with its present step, to Warp, to be settled at every stage if requested."""
         self.other = mujoco_warp.put_model(self.model)
         if self.given["settle"]:  # else J'q' is that of the stage before, and Runge-Kutta's method of first order
             self.other.callback.control = mujoco_warp.make_constraint

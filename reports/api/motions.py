@@ -233,7 +233,10 @@ def _motion(options: Asked, name: str) -> CrankMotion:
 
 
 def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
-    """The requested prescribed motions, without regimes of the linkages, and their conditions in words."""
+    """The requested prescribed motions, without regimes that linkages define, and their conditions in words.
+
+    Raises LinkproofError for a motion that does not suit a linear drive.
+    """
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
         return _motions(options), options.conditions

@@ -57,7 +57,7 @@ def steady_error(value: float | None) -> str:
 
 
 def bound(value: float | None) -> str:
-    """A limit as text, as it stands in its table: 1e-4, 2.5e-6."""
+    """A limit as text, as it stands in its table: 1e-4, 2.5e-6; a dash for None."""
     return ABSENT if value is None else _scientific(value, 4, trailing=False)
 
 

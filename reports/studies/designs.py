@@ -80,7 +80,7 @@ class Sweep(Study):
         return sweep_figure(study.dataset, sweep_terminal.own_parameters(study.request), always)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix."""
+        """The content of a file with this suffix: CSV, netCDF, a picture or JSON."""
         if suffix == ".csv":
             return partial(sweep_terminal.write_csv, self.study)
         return sweep_terminal.netcdf(self.dataset) if suffix == ".nc" else super().content(suffix, **form)

@@ -66,7 +66,7 @@ def _trial_of_run(run: RunRecord) -> SelfTest:
 
 
 def machine_code_trial() -> SelfTest:
-    """Compile a function of one operation: where this works, Numba does."""
+    """Whether Numba compiles a function of one operation, as a SelfTest; None where it is not installed."""
     if not machine_code.is_installed():
         return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
     trace, begin = OperationList(), time.perf_counter()

@@ -393,7 +393,7 @@ def by_regime(bench: Bench) -> Regimes:
 
 
 def places(bench: Bench) -> list[DataFrame]:
-    """The rows of every mechanism and regime, in the order measured."""
+    """The rows of a benchmark divided by mechanism and regime, in the order measured."""
     return [place for _, place in bench.table.groupby(PLACE, sort=False)]
 
 
