@@ -16,7 +16,8 @@ from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled_
 from analytic.designs.sampled_signals import LEAST_RATIO, checked_parameters, speed_of
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code import LinkageTrace, Result, StraightFunction, Traced, in_threads, is_worthwhile
+from analytic.machine_code import LinkageTrace, Result, StraightFunction, in_threads, is_worthwhile
+from analytic.operations import Traced
 from analytic.signals import is_wrapped, names_with_magnitudes, table
 
 # Figures of many designs reduced where they are computed, in one straight function of machine code, without curves.

@@ -41,13 +41,10 @@ ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
 
 
 class Rod:
-    """A link that turns about an outer pin of its host, with an arm of this length, m, in its own frame.
+    """A link that turns about an outer pin of its host, with an arm of this length, m, in its own frame."""
 
-    ``r`` is the vector from the pin to the point that counts, and ``x`` the link's turning; the dyad sets both.
-    """
-
-    r: Pair
-    x: Scalar
+    r: Pair  # from the pin to the point that counts, m, as the dyad sets it
+    x: Scalar  # the link's turning over φ, as the dyad sets it
 
     def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
         """A side that turns about an outer pin; ``arm``, m, reaches in the link's frame to the point that counts."""
@@ -219,10 +216,7 @@ class _DyadForm:
         return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Length, m, by which the links reach beyond meeting, negative if short, and the lengths it comes from.
-
-        Two guides lack no length, but parallel ones do not cross.
-        """
+        """Length, m, by which the links reach beyond meeting, negative if short, and the lengths it comes from."""
         return np.sign(abs(self.determinant) - ROUNDING), 0.0
 
     def gap(self) -> Scalar:

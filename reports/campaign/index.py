@@ -19,7 +19,6 @@ from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdic
 from engines.contract import Setting
 from reports.charts.moving import moving_scheme
 from reports.document import numbers
-from reports.document.numbers import figure
 from reports.document.parts import (
     Bullets,
     Card,
@@ -165,10 +164,7 @@ class EngineRanking:
         return [cell for cell in cells if cell.judged]
 
     def most_accurate(self, setting: str, family_name: str) -> str:
-        """The engine with the least maximum error in a family, of those that failed in none of it.
-
-        Empty if there is only one engine, or none passed.
-        """
+        """The engine with the least maximum error in a family, of those that never failed; empty without rivals."""
         cells = {
             engine: self.cell(engine, setting, family_name) for engine in self.engines if engine not in self.controls
         }
@@ -207,7 +203,7 @@ class EngineRanking:
 def ratio(record: Error) -> str:
     """An error divided by its limit as text."""
     value = share(record)
-    return "< 0.001" if value < 1e-3 else figure(value, 2)
+    return "< 0.001" if value < 1e-3 else numbers.figure(value, 2)
 
 
 def verdict(trust: EngineRanking) -> tuple[str, ...]:
@@ -341,10 +337,7 @@ def index(
     studies: tuple[Words, ...] = (),
     cost: tuple[Paragraph, ...] = (),
 ) -> Page:
-    """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
-
-    ``studies`` are pages beside the mechanisms': a link and a sentence for each; ``cost`` is what the benchmark says.
-    """
+    """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``."""
     trust = EngineRanking(results) if results is not None and results.records else None
     return Page(
         file=FILE,
@@ -500,10 +493,7 @@ def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> s
 
 
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
-    """The table of engines and families of quantities: the largest error of each, the least of a column marked.
-
-    On a page a cell ``leads`` to the curve of its error.
-    """
+    """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve."""
     rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
         for engine in trust.engines:

@@ -15,7 +15,8 @@ from analytic import machine_code
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.errors import LinkproofError, install_words
-from analytic.machine_code import OperationList, Result
+from analytic.machine_code import Result
+from analytic.operations import OperationList
 from comparisons.trials.campaign.campaign import CampaignRequest, compare
 from comparisons.trials.conformance.conformance import INSTALLED, check_engine
 from comparisons.trials.conformance.trial import CheckResult, Finding

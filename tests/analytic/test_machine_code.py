@@ -17,9 +17,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import (
     FUNCTION,
-    FUNCTIONS,
     LANES,
-    OperationList,
     Result,
     StraightFunction,
     is_traceable,
@@ -28,6 +26,7 @@ from analytic.machine_code import (
     plain_program,
     python_source,
 )
+from analytic.operations import FUNCTIONS, OperationList
 from analytic.signals import evaluate, names, unit
 from reports.document.templates import FOLDER
 from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
