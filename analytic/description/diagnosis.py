@@ -96,7 +96,7 @@ NO_KEYS: Final[Mapping[str, str]] = {
 
 
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
-    """The first fault of a document as one sentence; ``model`` describes the document."""
+    """The most telling fault of the first wrong value; ``source`` has its place, ``model`` what is expected there."""
     fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden" and keys[-1] in NO_KEYS:

@@ -468,7 +468,7 @@ def _first_line(name: str, variant: str, sentences: list[str]) -> str:
 
 
 def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
-    """The file's text changed as little as possible to the values ``raw``; written afresh where that fails."""
+    """The text with the values ``raw`` and its comments, without linkproof's first line; made anew where that fails."""
     import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
     from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
 

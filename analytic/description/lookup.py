@@ -194,9 +194,9 @@ def law_over_angle(
     *,
     period: float | None = FULL_TURN,
 ) -> Law:
-    """The law through rows of components at ``angles``; one row without angles is a constant.
+    """The law through rows of components at ``angles``, rad, increasing, at least 3; one row is a constant.
 
-    With ``period`` None the law is over a travel, in m.
+    With ``period`` None they are travels, m. Raises DescriptionError, which begins with ``where``, the rows' place.
     """
     table = np.array(rows, dtype=float)
     if angles is None:

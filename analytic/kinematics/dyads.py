@@ -122,7 +122,7 @@ class Rail:
         return self.e
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative over φ of the host's point that is just now at ``point``, m/rad."""
+        """First derivative over φ of the host's point at ``point``, m/rad; keeps the host's rate for the second."""
         self.host_rate = host
         return frames.carried_rate(self.host, host, point)
 

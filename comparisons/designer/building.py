@@ -186,7 +186,10 @@ def _signals_besides_bodies(curves: Curves) -> list[str]:
 
 
 def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
-    """Sentences on signs, zeros and gravity, and on what the file lacks so that no row can show it."""
+    """Sentences on signs, zeros, gravity and Newton's method, and on what no row can show.
+
+    That is what the file lacks and, if ``is_unbounded``, joint forces at a change point.
+    """
     linkage, mechanism = curves.linkage, curves.case.mechanism
     if "Mkr" in curves.names:
         turning = "along the drive" if linkage.is_linear else "counter-clockwise"

@@ -369,7 +369,7 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
 
 def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """The least transmission angle of each group, rad, and its place in the range."""
+    """By dyad: kind, least transmission angle, rad, where it is, and good stretches (none over a full turn)."""
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)

@@ -215,7 +215,7 @@ def _is_number(value: object) -> bool:
 
 
 def _quoted(value: object) -> str:
-    """A value as an error message shows it."""
+    """A value for an error message: its ``repr``, or "nothing" for None."""
     return "nothing" if value is None else repr(value)
 
 

@@ -92,7 +92,10 @@ class Fit:
 
     @property
     def rank(self) -> tuple[int, int]:
-        """The sort key of causes: smaller for those that an engineer looks at first."""
+        """Sort key of causes, least for what an engineer looks at first: the ``FaultKind``, then the digits.
+
+        Several numbers at usual values count as one number, a single one as a setting.
+        """
         kind = self.fault.kind
         if kind is FaultKind.SEVERAL and not self.digits:
             return (FaultKind.SETTING, 0) if len(self.numbers) < 2 else (FaultKind.NUMBER, NOT_ROUND)

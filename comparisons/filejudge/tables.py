@@ -436,7 +436,7 @@ def _result_or_words(reader: Callable[[Path], R], path: Path) -> R | str:
 
 
 def _workbook_texts(path: Path) -> list[tuple[str, str]]:
-    """The name and the cells, parted by tabs, of every sheet of a workbook with numbers beside one another."""
+    """Name and text of every sheet, cells parted by tabs; raises ValueError if it unpacks to over LARGEST."""
     with zipfile.ZipFile(path) as parts:
         size = sum(part.file_size for part in parts.infolist())
     if size > LARGEST:

@@ -263,7 +263,7 @@ def _power_of_two(length: float) -> float:
 
 
 def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
-    """Forces, N, and moments about mass centres, N m, of all loads on the bodies, (n, bodies, 3)."""
+    """Weights, loads, springs and dampers, not joint friction: N and, about mass centres, N m, (n, bodies, 3)."""
     numbers = body_numbers(scene)
     loads = np.zeros_like(rate)
     loads[..., :2] = body_masses(scene)[:, :2] * np.asarray(scene.gravity)

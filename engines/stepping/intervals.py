@@ -128,7 +128,7 @@ class Pace:
 
 
 def whole_interval(duration: float, step: float, least: int) -> Interval:
-    """All of a run as one interval in steps of at most ``step``, s."""
+    """All of a run, s, as one interval in equal steps of at most ``step``, s, and at least ``least`` of them."""
     return Interval(0.0, duration, whole_steps(duration, step, least))
 
 

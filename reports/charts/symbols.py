@@ -92,7 +92,7 @@ def hatched_line(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def slider(axes: Axes, place: Array, along: Array, size: float) -> None:
-    """Draw the block of a slider, lying along its guide."""
+    """Draw the block of a slider at ``place``, lying along its guide, whose direction is the unit vector ``along``."""
     _area(axes, _box(place - 2.6 * size * along, place + 2.6 * size * along, 1.6 * size), 1.0, 7.0, PLATE)
 
 

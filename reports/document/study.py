@@ -77,7 +77,7 @@ class Study:
         """Raise LinkproofError where there is nothing to show; by default, do nothing."""
 
     def failures(self) -> Iterable[str]:
-        """A line for every result that makes ``check`` fail."""
+        """A line for every result that makes ``check`` fail; none by default."""
         return ()
 
     def check(self) -> Study:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -155,7 +156,7 @@ def _forces_section(sheet: Sheet) -> Section:
 
 def _dots_in_words(sheet: Sheet) -> str:
     """The end of a hodograph's caption, on the distance of its dots; "" unless the motion is a full turn."""
-    return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if sheet.is_turn else ""
+    return f": dots are {DOTS}° of the crank apart, quarters named where there is room" if sheet.is_turn else ""
 
 
 def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
@@ -181,8 +182,11 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
             degrees = np.arange(0, 360, DOTS)
             dots = [np.interp(degrees, sheet.x, values, period=360.0) for values in force]
             axes.plot(*dots, "o", color=colour)
+            named: list[list[float]] = []
+            nearest = 0.15 * np.max(np.ptp(dots, axis=1))  # at which two names would overlap
             for at, *place in zip(degrees, *dots, strict=True):
-                if not at % QUARTERS:
+                if not at % QUARTERS and all(math.dist(place, other) >= nearest for other in named):
+                    named.append(place)
                     away = 11.0 * unit_vector(np.array(place) - np.mean(dots, axis=1))  # points
                     axes.annotate(f"{at}°", place, away, textcoords="offset points", ha="center", va="center")
         axes.set_title(

@@ -239,9 +239,9 @@ LEAST_ERROR: Final = 1e-16
 
 
 def errors_figure(view: View, regime: Regime) -> Figure:
-    """The figure of all errors under a regime: a row per quantity or invariant, in it a lane per engine.
+    """The errors under a regime, shares of the peak on a log axis: a row per family, in it a lane per engine.
 
-    An engine has its colour and symbol as on the pages; naive is open, best outlined.
+    A mark is the worst of its family in a run: naive is open, best outlined. Ticks are the limits of the setting shown.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 

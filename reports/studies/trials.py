@@ -141,7 +141,7 @@ class Comparison(Trials):
         return with_runs(self.results.document, self.results.runs)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix: every curve for CSV, else every record."""
+        """A file's content: for .csv a function that writes every curve to a path, else the JSON of every record."""
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
     def rows(self) -> Sequence[Mapping[str, Any]]:

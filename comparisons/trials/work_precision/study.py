@@ -109,7 +109,7 @@ class PointSweep:
     ended: str = ""
 
     def next(self) -> Point | None:
-        """The point to measure next; None when the sweep has ended."""
+        """The point to measure next, the same until ``add``; None, with ``ended`` set, when the sweep has ended."""
         if not self.ended:
             self.ended = self._why_ended()
         return None if self.ended else self.points[len(self.measurements)]
