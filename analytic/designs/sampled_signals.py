@@ -204,10 +204,18 @@ class Designs:
             sweep.rates(body)
         speed = speed_of({name: values[rows[0]] for name, values in self.arrays.items()}, self.speed)
         at = MovingSweep(design, sweep, speed, np.asarray(self.acceleration))
-        values = {name: signal(at, name) for name in names}
+        values = {name: _signal_or_nan(at, name) for name in names}
         dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
         sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
         return DesignSamples(values, ~faults, np.reshape(sizes, (-1, *phi.shape)))
+
+
+def _signal_or_nan(at: MovingSweep, name: str) -> Array:
+    """A signal of one design; NaN for a thread's feed that has no zero, since this design cannot turn fully."""
+    try:
+        return signal(at, name)
+    except UnknownNameError:
+        return np.full(at.sweep.angle.shape, np.nan)
 
 
 # Signals of many designs of one linkage over crank angles, with all of their curves.

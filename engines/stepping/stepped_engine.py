@@ -209,14 +209,14 @@ class SteppedEngine(ABC, Generic[World, R]):
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
         """The run of a scene by a recipe; a reason not to run, or a failure, becomes its outcome."""
-        absent = self.why_unavailable() or why_absent(self.package, self.name)
-        if absent is not None:
-            return Run(Outcome.UNAVAILABLE, absent)
-        reason = self.obstacle(scene)
-        if reason is not None:
-            return Run(Outcome.UNSUPPORTED, reason)
-        cost = Cost(details=details)
-        with silenced() if self.chatters else nullcontext():
+        with silenced() if self.chatters else nullcontext():  # some write when they are imported
+            absent = self.why_unavailable() or why_absent(self.package, self.name)
+            if absent is not None:
+                return Run(Outcome.UNAVAILABLE, absent)
+            reason = self.obstacle(scene)
+            if reason is not None:
+                return Run(Outcome.UNSUPPORTED, reason)
+            cost = Cost(details=details)
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:

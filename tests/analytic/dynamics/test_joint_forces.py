@@ -100,6 +100,8 @@ def test_spring_whose_ends_meet_pulls_nothing():
 
 def test_the_frame_takes_what_acts_from_outside(sample):
     """Newton's and Euler's laws for the whole linkage, whose inner forces cancel."""
+    if sample.linkage.name == "laden-press":
+        pytest.skip("test_loads holds loads over the travel, in a link's frame and between bodies")
     sweep = sample.sweep(angles(6))
     shaking, expected = joint_forces.shaking(sweep, SPEED, ACCELERATION, ABOUT), np.zeros((3, 6))
 
