@@ -18,6 +18,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import (
     FUNCTION,
     LANES,
+    ZERO_OF_S,
     Result,
     StraightFunction,
     is_traceable,
@@ -27,7 +28,7 @@ from analytic.machine_code import (
     python_source,
 )
 from analytic.operations import FUNCTIONS, OperationList
-from analytic.signals import evaluate, names, unit
+from analytic.signals import THREAD_FEED, evaluate, names, unit
 from reports.document.templates import FOLDER
 from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
 from tests.javascript import called
@@ -176,9 +177,12 @@ def test_signals_of_other_designs_are_numpy_s(name):
     sample = mechanism(name)
     if not is_traceable(sample) or sample.linkage.is_linear:
         return
-    linkage, chosen, chance = sample.linkage, names(sample), np.random.default_rng(7)
+    linkage, chance = sample.linkage, np.random.default_rng(7)
+    chosen = [name for name in names(sample) if name != THREAD_FEED]  # whose zero is each design's own
     free = {number: value for number, (kind, value) in design_numbers(linkage).items() if kind != "direction"}
     listed = linkage_trace(sample, free, chosen, accelerates=True)
+    if ZERO_OF_S in listed.trace.inputs:
+        pytest.skip("the page finds the zero of S of each design; tests of pages hold it")
     given = {number: listed.trace.inputs[number] for number in free if number in listed.trace.inputs}
     rows = [line for one, line in listed.trace.inputs.items() if one not in given]
     program = plain_program(listed.trace, [*given.values()], rows, listed.signals)
