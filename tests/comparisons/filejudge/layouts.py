@@ -27,6 +27,8 @@ def exported(linkage, motion, names, time, *, digits=6, change=None, model=None)
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
     model = model or Simulation(linkage, motion)
     values = dict(zip(names, model.predict([SignalTimes(name, time) for name in names]), strict=True))
+    there = np.all(np.isfinite([*values.values()]), axis=0)  # a motion that is shifted in time does not reach both ends
+    values, time = {name: value[there] for name, value in values.items()}, np.asarray(time)[there]
     return results_of(change(values, time) if change else values, time, digits=digits)
 
 

@@ -127,7 +127,7 @@ def test_another_motion_than_stated_is_the_likeliest_cause(kind):
 def planted(fault, simulation):
     """A simulation with a fault, its numbers a little off or the first usual ones."""
     numbers = [n + PART * size for n, size in zip(fault.start, fault.sizes, strict=False)]
-    return simulation.with_values(fault.targets(*(numbers or (fault.usual[0] if fault.usual else ()))))
+    return simulation.with_values(fault.targets(*(numbers or (np.atleast_1d(fault.usual[0]) if fault.usual else ()))))
 
 
 def misses(linkage, every=1, first=0):
