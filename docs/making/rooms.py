@@ -23,7 +23,7 @@ HEAD = ("layer", "room", "what is in it", "lines", "may import")
 def source(module: str) -> Path:
     """The folder of a package, or the file of a module."""
     path = ROOT / module.replace(".", "/")
-    return path if path.is_dir() else path.with_suffix(".py")
+    return path if (path / "__init__.py").is_file() else path.with_suffix(".py")  # a folder of bytecode may be left
 
 
 def sentence(module: str) -> str:
