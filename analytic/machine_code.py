@@ -22,7 +22,8 @@ from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.operations import CONSTANT, INPUT, Array, OperationList
+from analytic.numerics.arrays import Array
+from analytic.operations import CONSTANT, INPUT, OperationList
 from analytic.signals import MovingSweep, signal
 
 # The signals of a linkage as one list of operations: of its crank angle, the crank's motion and numbers that vary.

@@ -3,7 +3,7 @@
 A formula written for arrays does not compute when it gets ``Traced`` numbers: every NumPy function that it calls is
 noted in their ``OperationList``. An operation that is in the list already is not added again, constants are computed
 at once, and sums with zero and products with zero or one fall away. The list is data: ``analytic.machine_code``
-writes it as a function, and ``OperationList.computed`` computes it by NumPy.
+writes it as a function, and ``OperationList.evaluate`` computes it by NumPy.
 
 The list has no branches: formulas choose by ``np.where``, and a branch on a traced number raises TypeError.
 """
@@ -16,11 +16,10 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
-from numpy.typing import NDArray
 
+from analytic.numerics.arrays import Array
 from analytic.numerics.rounded import RULES
 
-Array = NDArray[np.float64]
 Law = Callable[[Array, int], Array]
 
 INPUT, CONSTANT = "input", "constant"

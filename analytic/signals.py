@@ -32,7 +32,7 @@ from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.linkage import Linkage, ThreadEye, ThreadGuide, ThreadPath
 from analytic.dynamics import reduced
@@ -44,12 +44,10 @@ from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep, output_of, transmission_angle
+from analytic.numerics.arrays import Array
 from analytic.numerics.refine import zeros
 
 # A linkage at crank angles with the crank's motion there: the common argument of torques, forces and signals.
-
-
-Array = NDArray[np.float64]
 
 
 class LinkageInMotion(ABC):

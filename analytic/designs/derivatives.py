@@ -29,12 +29,12 @@ from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import PHI, ZERO_OF_S, LinkageTrace, is_traceable, linkage_trace
+from analytic.numerics.arrays import Array
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import ROUNDING, grid, tops
 from analytic.numerics.roots import roots
 from analytic.signals import OUTPUT_COORDINATE, MovingSweep, is_angle, is_wrapped, signal
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Curve = tuple[Any, Array]  # values of a signal (...), or one, and their derivatives (k, ...)
 STILL: Final[Curve] = (0.0, np.zeros(1))

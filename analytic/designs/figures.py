@@ -12,14 +12,13 @@ from math import nan, pi
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.linkage import Linkage
 from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened, symbol
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array
 from analytic.signals import MAGNITUDE, THREAD_FEED, names_with_magnitudes, table
-
-Array = NDArray[np.float64]
 
 
 class Reduction(StrEnum):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
@@ -17,14 +17,12 @@ from analytic.designs.sampled_signals import LEAST_RATIO, checked_parameters, sp
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import LinkageTrace, Result, StraightFunction, in_threads, is_worthwhile
+from analytic.numerics.arrays import Array, Booleans
 from analytic.operations import Traced
 from analytic.signals import is_wrapped, names_with_magnitudes, table
 
 # Figures of many designs reduced where they are computed, in one straight function of machine code, without curves.
 
-
-Array = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 CHUNK: Final = 2048  # designs a thread takes at a time
 # Shares of the samples in a mean over all of them, and over every second: the end of the period has none.

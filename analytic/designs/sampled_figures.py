@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.sampled_signals import (
     BLOCK,
-    Booleans,
     Designs,
     Integers,
     Sampler,
@@ -24,11 +22,11 @@ from analytic.designs.sampled_signals import (
 )
 from analytic.dynamics.reduced import load_corners
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array, Booleans
 from analytic.numerics.averages import SAME, averages
 from analytic.numerics.refine import Tops, highest_tops, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
-Array = NDArray[np.float64]
 Curves = Mapping[str, Array]
 
 CELLS: Final = 12  # of the motion, from which a mean is integrated

@@ -31,12 +31,11 @@ from analytic.machine_code import (
     is_worthwhile,
     linkage_trace,
 )
+from analytic.numerics.arrays import Array, Booleans
 from analytic.numerics.roots import roots
 from analytic.signals import OUTPUT_COORDINATE, THREAD_FEED, MovingSweep, check_signals, is_wrapped, signal
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
 
 # Designs times crank angles computed at once. Measured on the six-bar: from 6144 to 18 432 the cost is the same within
 # a tenth, 3072 cost half as much again.

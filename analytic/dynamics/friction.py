@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.linkage import GROUND, Guide, Vector
 from analytic.dynamics import joint_forces
@@ -27,8 +27,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.sweep import Sweep
-
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array, Booleans
 
 MOST_ROUNDS, MOST_STEPS = 16, 60  # of substitution, of Newton's method
 SETTLED, LAST = 4e-15, 1e-9  # a step over the largest friction of the angle, of substitution and of Newton's method
@@ -117,7 +116,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     return Reactions(forces, plain.torque + share, share)
 
 
-def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, Booleans]:
     """Solve for the frictions (m, n) under joint forces ``free`` + ``slopes`` · frictions; and where that succeeded.
 
     Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left,
@@ -142,12 +141,12 @@ def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
     return np.moveaxis(free + np.einsum("jkcn,kn->jcn", slopes, frictions), 1, 0)
 
 
-def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> NDArray[np.bool_]:
+def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> Booleans:
     """Whether a ``step`` (m, n) is negligible beside the ``frictions`` (m, n) that it changes, (n,)."""
     return np.asarray(np.all(np.abs(step) <= within * np.max(np.abs(frictions), axis=0), axis=0))
 
 
-def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]) -> tuple[Array, NDArray[np.bool_]]:
+def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]) -> tuple[Array, Booleans]:
     """Solve as ``_equilibrium`` does by Newton's method, for ``shares`` of the coefficients one after the other.
 
     The branch of small coefficients has a determinant above zero. The step after one within LAST is rounding.
@@ -172,7 +171,7 @@ def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]
     return frictions, is_branch
 
 
-def _check_not_locked(sweep: Sweep, is_solved: NDArray[np.bool_]) -> None:
+def _check_not_locked(sweep: Sweep, is_solved: Booleans) -> None:
     """Raise LinkproofError where friction locks the linkage, or set it in the sweep's faults."""
     if sweep.faults is not None:
         sweep.faults |= ~is_solved

@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.dynamics.loads import Load, all_loads, external_loads
@@ -39,6 +39,7 @@ from analytic.kinematics.structure import (
     Structure,
 )
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.arrays import Array
 
 # Balance of a force analysis: the wrench that every link still needs from its joints, and the joints' wrenches.
 #
@@ -144,8 +145,6 @@ def _pin_of_link(group: AnyGroup, body: str) -> Vector | None:
     pins.sort(key=lambda joint: joint.near in group.links)
     return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)
 
-
-Array = NDArray[np.float64]
 
 # Force analysis of the Assur groups: from the wrenches that links need to the forces in the group's joints.
 #

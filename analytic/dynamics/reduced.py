@@ -15,7 +15,7 @@ from functools import cached_property, partial
 from typing import Any, Final, NamedTuple, TypedDict
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN, Law, TimeLaw
@@ -29,11 +29,10 @@ from analytic.kinematics.frames import Pair, Scalar, is_zero
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.arrays import Array, Booleans
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn, zeros
 from analytic.numerics.roots import root
-
-Array = NDArray[np.float64]
 
 
 def link_inertia(sweep: Sweep, link: str) -> Array:
@@ -417,7 +416,7 @@ def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
     return np.unique(every[(every > low) & (every < high)])
 
 
-def near_load_jumps(mechanism: Mechanism, angle: Array) -> NDArray[np.bool_]:
+def near_load_jumps(mechanism: Mechanism, angle: Array) -> Booleans:
     """Which values of φ (n,), rad or m, are where friction turns back or a load of one way sets in, and forces jump."""
     away = np.asarray(angle)[:, None] - [*_reversals(mechanism), *_turning_places(mechanism)]
     away -= mechanism.period * np.round(away / mechanism.period)

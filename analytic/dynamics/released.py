@@ -21,11 +21,10 @@ from analytic.dynamics.reduced import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.arrays import Array
 from analytic.numerics.integration import Windows, gauss_scheme, integrate
 from analytic.numerics.refine import extremes, grid, highest, periodic_mean
 from analytic.numerics.roots import root
-
-Array = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-12
 NODES: Final = 32

@@ -16,11 +16,9 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pose
+from analytic.numerics.arrays import Array
 
 # A configuration of a group over φ: nodes from which Newton's method finds the links anywhere between them.
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import CylinderDrive, DriverCoordinate, Linkage
@@ -19,9 +18,8 @@ from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.group_solver import DEAD, GroupSolver
 from analytic.kinematics.structure import AnyGroup, ClosedGroup, Structure
 from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
+from analytic.numerics.arrays import Array
 from analytic.numerics.roots import find_lowest, may_touch_zero, root
-
-Array = NDArray[np.float64]
 
 # The margins are looked at in steps of half a degree, and in ever finer ones towards the start, for ranges narrower
 # than that; a minimum that may come down to zero between two steps is closed in on.

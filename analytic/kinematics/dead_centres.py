@@ -9,7 +9,8 @@ import numpy as np
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyads import ROUNDING
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
-from analytic.numerics.refine import Array, highest
+from analytic.numerics.arrays import Array
+from analytic.numerics.refine import highest
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
@@ -15,9 +14,7 @@ from analytic.kinematics.dyads import FORMS, ROUNDING, At, Shortfall
 from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.group_solver import GroupSolver
 from analytic.kinematics.structure import ClosedGroup
-
-Array = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
+from analytic.numerics.arrays import Array, Booleans
 
 
 class DyadSolver:

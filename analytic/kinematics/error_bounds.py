@@ -16,15 +16,14 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.group_equations import jacobian, point_derivative, residuals
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import FIXED, Sweep, crank_motion
+from analytic.numerics.arrays import Array, Booleans
 from analytic.numerics.rounded import EPS, Rounded, bound_of
 
-Array = NDArray[np.float64]
 ORDERS: Final = 3
 # Of each joint the equations for distances, whose curvature counts.
 DISTANCES: Final = {Revolute: [1.0, 1.0], Prismatic: [1.0, 0.0], DrivenDistance: [1.0]}
@@ -93,7 +92,7 @@ class ErrorBounds:
         """The numbers of a pose or a rate, each as an array over the crank angles."""
         return [np.broadcast_to(np.asarray(part, dtype=float), self.sweep.angle.shape) for part in parts]
 
-    def _elimination_error(self, matrix: Array, motions: Array, lengths: NDArray[np.bool_]) -> Array:
+    def _elimination_error(self, matrix: Array, motions: Array, lengths: Booleans) -> Array:
         """Residual of elimination with pivots in the equations of an order, (n, equations): eps of the largest row.
 
         (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 9.3.)

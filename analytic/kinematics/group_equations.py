@@ -11,13 +11,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
 from analytic.kinematics.structure import DrivenDistance, GroupJoint, Revolute
+from analytic.numerics.arrays import Array
 
-Array = NDArray[np.float64]
 Motion = tuple[Pose, Rate, Rate]
 Motions = Mapping[str, Motion]
 

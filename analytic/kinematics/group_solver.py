@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, Vector
@@ -19,6 +18,7 @@ from analytic.kinematics.dyads import UNASSEMBLED, Shortfall
 from analytic.kinematics.frames import STILL, Pose, Rate, Scalar
 from analytic.kinematics.group_equations import GroupSystem, Motions, poses_of, rates_of
 from analytic.kinematics.structure import Group, GroupJoint, Revolute, Structure
+from analytic.numerics.arrays import Array
 
 # Following a configuration of a group over φ, and Newton's method from the nodes that this leaves.
 #
@@ -28,7 +28,6 @@ from analytic.kinematics.structure import Group, GroupJoint, Revolute, Structure
 # their first two derivatives are the guess; nodes are added until these are near.
 
 
-Array = NDArray[np.float64]
 Hosts = Callable[[Array], Motions]
 
 LARGEST_STEP: Final = FULL_TURN / 24.0  # rad, or units of length, between two nodes

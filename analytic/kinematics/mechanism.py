@@ -25,7 +25,8 @@ from analytic.kinematics.frames import Pose
 from analytic.kinematics.group_equations import Motions
 from analytic.kinematics.group_solver import configuration_at_sketch, follow_branch, group_problem
 from analytic.kinematics.structure import AnyGroup, ClosedGroup, Group, Structure
-from analytic.kinematics.sweep import Array, Sweep, driver_poses, solver_of
+from analytic.kinematics.sweep import Sweep, driver_poses, solver_of
+from analytic.numerics.arrays import Array
 from analytic.numerics.refine import zeros
 
 AT_REST = 1e-6  # rad from a change point

@@ -8,19 +8,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
 from analytic.kinematics.branch import Windows
-from analytic.kinematics.dyad_solver import (
-    Booleans,
-    DyadSolver,
-    check_assembly,
-    check_motion,
-)
+from analytic.kinematics.dyad_solver import DyadSolver, check_assembly, check_motion
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.group_equations import point_derivative, residuals
 from analytic.kinematics.group_solver import GroupSolver
@@ -31,8 +25,8 @@ from analytic.kinematics.structure import (
     Revolute,
     Structure,
 )
+from analytic.numerics.arrays import Array, Booleans
 
-Array = NDArray[np.float64]
 FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
 
 

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array
+
 Integers = NDArray[np.int64]
 # Integrands (k, n, m) of rows (n,) at places (n, m).
 Integrands = Callable[[Integers, Array], Array]

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
-
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array
 
 # Gauss collocation of φ̈ = ε(φ, φ̇) in windows of time: the scheme, and the motion that it makes.
 #

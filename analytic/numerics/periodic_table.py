@@ -14,11 +14,10 @@ from typing import Final
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
+from analytic.numerics.arrays import Array
 
-Array = NDArray[np.float64]
 Functions = Callable[[Array], Array]
 
 FIRST_CELLS: Final = 64

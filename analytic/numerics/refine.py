@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.law import FULL_TURN
+from analytic.numerics.arrays import Array
 from analytic.numerics.roots import roots
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 # Heights (n, 3) of the tops of some numbers (n,) at places (n, 3).
 Heights = Callable[[Integers, Array], Array]

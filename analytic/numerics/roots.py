@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array, Booleans
 
 MOST_STEPS: Final = 200
 SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones are zero but for rounding
@@ -51,7 +50,7 @@ def roots(
     return best
 
 
-def may_touch_zero(values: Array, rounding: float) -> NDArray[np.bool_]:
+def may_touch_zero(values: Array, rounding: float) -> Booleans:
     """Which inner samples, last axis, are local minima beside which a function may come down to zero and turn.
 
     About a double root, or the tip of a magnitude, a sample is at most as high as both neighbours together are above

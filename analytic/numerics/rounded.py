@@ -11,9 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array
+
 Rule = Callable[..., tuple[Any, ...]]
 
 # Of each function its derivatives by its arguments, from its result and the arguments.

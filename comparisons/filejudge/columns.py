@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array, Booleans
+
 Axis = Literal["time", "phi"]
 
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
@@ -102,8 +102,8 @@ class Evidence(SignalTimes):
     values: Array
     truth: Array
     rounding: Array
-    counted: NDArray[np.bool_]
-    over: NDArray[np.bool_]
+    counted: Booleans
+    over: Booleans
     scale: float
     unit: str
     unit_value: float = 1.0

@@ -15,11 +15,9 @@ from typing import Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are used
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
-
-Array = NDArray[np.float64]
+from analytic.numerics.arrays import Array
 
 SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 SPREAD: Final = 3.0  # from the largest of so few trials to a bound

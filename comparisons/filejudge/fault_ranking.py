@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are used
-from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
+from analytic.numerics.arrays import Array
 from analytic.signals import MAGNITUDE
 from comparisons.filejudge.columns import Correction, Evidence, ImportedSignal
 from comparisons.filejudge.hypotheses import (
@@ -30,8 +30,6 @@ from comparisons.filejudge.hypotheses import (
 from comparisons.filejudge.simulation import CRANK, JUMPING, LINKAGE, OF_MOTION, Simulation
 from comparisons.motion.case import DriverMotion
 from comparisons.trials.judging.quantities import near_jumps
-
-Array = NDArray[np.float64]
 
 EVALUATIONS: Final = 16  # of a fit
 IMPOSSIBLE: Final = 1e9  # tolerances that are left where a linkage cannot be so

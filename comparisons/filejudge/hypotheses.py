@@ -13,7 +13,6 @@ from enum import IntEnum
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.changes import EMPTY_PARTS, named_numbers
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
@@ -27,7 +26,6 @@ from comparisons.filejudge.columns import Evidence, ImportedSignal
 from comparisons.filejudge.headers import MISTAKEN_UNITS
 from comparisons.filejudge.simulation import CRANK, INCOMPLETE, LINKAGE, MODES, MOTION, Simulation, Values, is_rotary
 
-Array = NDArray[np.float64]
 Numbers = tuple[float, ...]
 
 RADIAN: Final = 180.0 / math.pi

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
+from analytic.numerics.arrays import Array
 from analytic.signals import names, table, unit
 from comparisons.filejudge.columns import Correction, Evidence, ImportedResults, ImportedSignal, SignalTimes
 from comparisons.filejudge.crank_column import (
@@ -28,8 +29,6 @@ from comparisons.motion.case import DriverMotion
 from comparisons.motion.thinning import stored_curve
 from comparisons.trials.judging.quantities import near_jump, near_jumps
 from comparisons.trials.judging.records import IMPORTED, Error, Verdict
-
-Array = NDArray[np.float64]
 
 NEIGHBOURS: Final = 8  # a share of the samples that are near one another
 

@@ -17,16 +17,8 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError, listed, printable, shortened
-from comparisons.filejudge.columns import (
-    TIME,
-    Array,
-    Axis,
-    Column,
-    Correction,
-    ImportedResults,
-    ImportedSignal,
-    ResultTable,
-)
+from analytic.numerics.arrays import Array
+from comparisons.filejudge.columns import TIME, Axis, Column, Correction, ImportedResults, ImportedSignal, ResultTable
 from comparisons.filejudge.headers import UNITS_BY_NAME, HeaderParser, Meaning, NotJudgedError, parse_unit
 from comparisons.filejudge.tables import number_headers, read_text, result_tables
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analytic.description.changes import changed
 from analytic.description.linkage import Linkage
@@ -16,12 +16,12 @@ from analytic.dynamics.reduced import half_inertia_derivative
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.arrays import Array
 from analytic.signals import signal, unit
 from comparisons.filejudge.columns import SignalTimes
 from comparisons.motion.case import DriverMotion, Truth
 from comparisons.trials.judging.quantities import near_jumps
 
-Array = NDArray[np.float64]
 # What can have another value: a number of the linkage by its name, ``rod.mass``; or a knob of a column, of the crank or
 # of the linkage, ``("Mkr", "scale")``, ``("crank", "pace")``, ``("linkage", "forces")``.
 Target = str | tuple[str, str]

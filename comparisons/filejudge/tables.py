@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, printable, shortened
 from analytic.files import check_file, read_file
-from comparisons.filejudge.columns import Array, Column, ResultTable
+from analytic.numerics.arrays import Array
+from comparisons.filejudge.columns import Column, ResultTable
 from comparisons.filejudge.headers import parse_unit
 from comparisons.trials.runs.run_engine import Lost, RunBounds
 from comparisons.trials.runs.workers import LocalPool, most_processes
