@@ -5,8 +5,8 @@
 ``[tolerances]``                      ± about the number in the linkage's file, in its unit there or one of its own:
 ``"rod.B.x" = 0.05``, ``"rod.B.x" = "50um"``, ``"rod.B.x" = { plus_minus = 0.05, distribution = "uniform" }``
 
-Beside the numbers of ``analytic.description.changes`` there are the length and the angle of a point, a mass centre or a
-direction in its frame: ``rod.B.length``, ``rod.B.angle``. The ± of a normal distribution are three standard deviations.
+Numbers have the names of ``analytic.description.changes``. The ± of a normal distribution are three standard
+deviations.
 
 What is linear follows from derivatives at the nominal design; corners and random designs are worked out as they are,
 extremes refined between the crank angles. Values are SI, arrays over (results, tolerances) or (results,).
@@ -16,27 +16,25 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from analytic.description.changes import SPEED, numbers
 from analytic.description.diagnosis import Source
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse_document, read_source
 from analytic.description.schema import Finite, TomlTable
-from analytic.description.units import FileUnit, Kind, factor
+from analytic.description.units import Kind
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.numerics.arrays import Array, Booleans
 from comparisons.designer.parameters import (
-    LISTING,
     NamedFigure,
     OpenEndFigures,
     Parameter,
@@ -44,11 +42,11 @@ from comparisons.designer.parameters import (
     mass_words,
     named_figures,
     parameter,
-    parameters,
 )
 
-LENGTH, ANGLE = ".length", ".angle"
 PLUS_MINUS, DISTRIBUTION = "plus_minus", "distribution"
+# The largest ± as a share of the number: no mass is negative, and no random speed is on the other side of zero.
+LARGEST: Final = {Kind.MASS: 1.0, Kind.INERTIA: 1.0, Kind.SPEED: 0.5}
 
 
 class Distribution(StrEnum):
@@ -69,14 +67,12 @@ class Distribution(StrEnum):
         return np.asarray(ndtri(shares)) / 3.0 if self is Distribution.NORMAL else 2.0 * shares - 1.0
 
 
-@dataclass(frozen=True)
-class TolerancedNumber:
-    """A number with its ±, SI; ``point`` is the point or direction whose length or angle it is, else empty."""
+class TolerancedNumber(NamedTuple):
+    """A number with its ±, SI."""
 
     parameter: Parameter
     plus_minus: float
-    distribution: Distribution = Distribution.NORMAL
-    point: str = ""
+    distribution: Distribution
 
     @property
     def name(self) -> str:
@@ -114,11 +110,6 @@ def read_tolerances(path: Path) -> Tolerances:
     return Tolerances(document.results, document.speed, document.tolerances, source)
 
 
-def _fault(source: Source | None, message: str) -> LinkproofError:
-    """The error about a key, with the file and line if there is a ``source``; the message begins with the key."""
-    return LinkproofError(message) if source is None else source.fault(message)
-
-
 def tolerances(
     linkage: Linkage, table: Mapping[str, Any], source: Source | None = None, speed: float = math.nan
 ) -> tuple[TolerancedNumber, ...]:
@@ -126,26 +117,21 @@ def tolerances(
 
     A value is a number, a text with a unit, or a table of ± and distribution.
 
-    Raises LinkproofError with the name, and its line in the ``source``, for unknown names (with the nearest), for
-    values that are not a positive ±, and where a point has tolerances of x or y and of length or angle.
+    Raises LinkproofError with the name, and its line in the ``source``, for unknown names (with the nearest) and for
+    values that are not a positive ±.
     """
-    driven = {SPEED: parameter(linkage, SPEED, speed)}
-    xy, known = parameters(linkage) | driven, _all_parameters(linkage) | driven
-    result: list[TolerancedNumber] = []
+    result: dict[str, TolerancedNumber] = {}
     for name, value in _flatten_table(table):
         try:
-            result.append(_read_tolerance(xy, known, name, value))
+            result[name] = _read_tolerance(parameter(linkage, name, speed), value)
         except LinkproofError as error:
-            words = str(error).removeprefix(f"{name}: ")
-            raise _fault(source, f"tolerances.{name}: {words}") from error
-    cartesian = {entry.name[:-2] for entry in result if not entry.point}
-    for tolerance in result:
-        if tolerance.point and tolerance.point in cartesian:
-            message = (
-                f"expected either x and y, or length and angle, of '{tolerance.point}', got of both; leave one out"
-            )
-            raise _fault(source, f"tolerances.{tolerance.name}: {message}")
-    return tuple(result)
+            raise _fault(source, f"tolerances.{name}: {str(error).removeprefix(f'{name}: ')}") from error
+    return tuple(result.values())
+
+
+def _fault(source: Source | None, message: str) -> LinkproofError:
+    """The error about a key, with the file and line if there is a ``source``; the message begins with the key."""
+    return LinkproofError(message) if source is None else source.fault(message)
 
 
 def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -157,69 +143,22 @@ def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple
             yield f"{prefix}{key}", value
 
 
-def _all_parameters(linkage: Linkage) -> dict[str, Parameter]:
-    """Every number by name, and for points given by x and y also their length and angle."""
-    numbers = parameters(linkage)
-    unit = linkage.units.get("angle", "rad")
-    for name, number in list(numbers.items()):
-        point = name.removesuffix(".x")
-        if number.kind not in ("length", "direction") or point == name:
-            continue
-        x, y = number.value, numbers[f"{point}.y"].value
-        angle = Parameter(point + ANGLE, FileUnit(unit, factor("angle", unit)), Kind.ANGLE, math.atan2(y, x))
-        if x or y:
-            numbers.setdefault(angle.name, angle)
-            if number.kind == "length":
-                length = replace(number, name=point + LENGTH, value=math.hypot(x, y))
-                numbers.setdefault(length.name, length)
-    return numbers
-
-
-def _read_tolerance(xy: Collection[str], known: Mapping[str, Parameter], name: str, value: object) -> TolerancedNumber:
-    """One tolerance from its value in the table; raises LinkproofError."""
-    if name not in known:
-        raise UnknownNameError("parameter", name, known, LISTING)
-    distribution = Distribution.NORMAL
-    if isinstance(value, Mapping):
-        for key in value:
-            if key not in (PLUS_MINUS, DISTRIBUTION):
-                raise UnknownNameError("key", key, (PLUS_MINUS, DISTRIBUTION))
-        words = value.get(DISTRIBUTION, distribution)
-        if words not in tuple(Distribution):
-            raise LinkproofError(f"expected distribution normal or uniform, got {_quoted(words)}; choose one")
-        distribution, value = Distribution(words), value.get(PLUS_MINUS)
-    size = _read_plus_minus(known[name], value)
-    if known[name].kind in ("mass", "inertia") and size > known[name].value:
-        raise LinkproofError("expected a ± up to the number itself, got a larger one; lessen it")
-    if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
-        raise LinkproofError("expected a ± up to half of the speed, got a larger one; lessen it")
-    return TolerancedNumber(known[name], size, distribution, "" if name in xy else name.rpartition(".")[0])
-
-
-def _read_plus_minus(number: Parameter, value: object) -> float:
-    """The ± of a number, SI, from a value of the file; raises LinkproofError unless it is positive."""
-    if isinstance(value, str):
-        size = number.si(value.replace("±", ""))
-    elif _is_number(value):
-        size = float(value) * number.unit.size  # type: ignore[arg-type]  # it is a number
-    else:
-        raise LinkproofError(f"expected a number, or one with its unit, got {_quoted(value)}; correct it")
-    if not size > 0.0:
-        raise LinkproofError(f"expected a positive ±, got {_quoted(value)}; correct it")
-    return size
-
-
-def _is_number(value: object) -> bool:
-    """Whether a value is a finite number, and not a truth value."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _quoted(value: object) -> str:
-    """A value for an error message: its ``repr``, or "nothing" for None."""
-    return "nothing" if value is None else repr(value)
-
-
-# The request of a tolerance study: results of a linkage whose numbers deviate from nominal, under a motion.
+def _read_tolerance(number: Parameter, value: object) -> TolerancedNumber:
+    """The tolerance of a number from its value in the table; raises LinkproofError."""
+    entry = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
+    for key in entry:
+        if key not in (PLUS_MINUS, DISTRIBUTION):
+            raise UnknownNameError("key", key, (PLUS_MINUS, DISTRIBUTION))
+    how, text = entry.get(DISTRIBUTION, Distribution.NORMAL), str(entry.get(PLUS_MINUS, "nothing"))
+    if how not in tuple(Distribution):
+        raise LinkproofError(f"expected distribution normal or uniform, got {how!r}; choose one")
+    size, most = number.si(text.replace("±", "")), math.inf
+    if number.kind in LARGEST:
+        most = LARGEST[number.kind] * number.value
+    if not 0.0 < size <= most:
+        limit = f" up to {most / number.unit.size:.6g} {number.unit.name}" if math.isfinite(most) else ""
+        raise LinkproofError(f"expected a positive ±{limit}, got {text}; correct it")
+    return TolerancedNumber(number, size, Distribution(how))
 
 
 Announce = Callable[[str, int, int], None]  # name of the stage, count done, count of all
@@ -229,102 +168,6 @@ SEED: Final = 0  # of the random designs
 SAMPLES: Final = 10_000
 FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
 TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
-
-
-@dataclass(frozen=True)
-class ToleranceRequest:
-    """A linkage in a case, tolerances of its numbers, the results they may move, and the number of random designs."""
-
-    case: SteadyCase
-    tolerances: tuple[TolerancedNumber, ...]
-    figures: tuple[NamedFigure, ...]
-    samples: int
-
-    @cached_property
-    def at_open_end(self) -> OpenEndFigures:
-        """The results whose extremes lie at an open end of the motion."""
-        return self.case.open_ends(self.figures)
-
-    @property
-    def _nominal_numbers(self) -> dict[str, float]:
-        """The nominal numbers, SI, the speed among them."""
-        return numbers(self.case.linkage) | {SPEED: abs(self.case.speed)}
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the numbers of the description in which the designs differ."""
-        return list(self.designs(np.zeros((len(self.tolerances), 1))))
-
-    def designs(self, offsets: Array) -> dict[str, Array]:
-        """Numbers of the description (designs,) by name, at offsets (tolerances, designs) from the nominal; SI.
-
-        Masses and inertias that a wide normal distribution makes negative are zero.
-        """
-        nominal, table = self._nominal_numbers, {}
-        polar: dict[str, dict[str, Array]] = {}
-        for tolerance, offset in zip(self.tolerances, offsets, strict=True):
-            if tolerance.point:
-                polar.setdefault(tolerance.point, {})[tolerance.name.removeprefix(tolerance.point)] = offset
-            else:
-                least = 0.0 if tolerance.parameter.kind in ("mass", "inertia") else -math.inf
-                table[tolerance.name] = np.maximum(nominal[tolerance.name] + offset, least)
-        for point, moved in polar.items():
-            x, y = nominal[f"{point}.x"], nominal[f"{point}.y"]
-            length, angle = math.hypot(x, y) + moved.get(LENGTH, 0.0), moved.get(ANGLE, np.zeros(offsets.shape[1]))
-            c, s = (length / math.hypot(x, y) * part for part in (np.cos(angle), np.sin(angle)))
-            table |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
-        return table
-
-    def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
-        """Results of designs at ``offsets`` (tolerances, designs), SI, (results, designs); nan if not assembled."""
-        designs, count, parts = self.designs(offsets), offsets.shape[1], []
-        size = TOGETHER if is_exact(self.case.mechanism) else ALONE
-        for start in range(0, count, size):
-            announce("designs", start, count)
-            some = {name: values[start : start + size] for name, values in designs.items()}
-            parts.append(self.case.figures(some, self.figures))
-        return np.concatenate(parts, axis=1)
-
-    def derivatives(self) -> Array:
-        """Derivatives of the results by the toleranced numbers, (results, tolerances), SI."""
-        nominal = self._nominal_numbers
-        _, gradients = self.case.gradients({name: nominal[name] for name in self.names}, self.figures)
-        by = dict(zip(self.names, gradients.T, strict=True))
-        columns = []
-        for tolerance in self.tolerances:
-            if not tolerance.point:
-                columns.append(by[tolerance.name])
-                continue
-            (x, y), (over_x, over_y) = ([of[f"{tolerance.point}.{part}"] for part in "xy"] for of in (nominal, by))
-            turns = tolerance.name.endswith(ANGLE)
-            columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
-        return np.stack(columns, axis=1)
-
-
-def tolerance_request(case: SteadyCase, requested: Tolerances, samples: int | None = None) -> ToleranceRequest:
-    """The checked request of a tolerance study.
-
-    Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
-    LinkproofError for an unknown name, no results, or too few or too many samples.
-    """
-    result = tolerances(case.linkage, requested.table, requested.source, case.speed)
-    if not requested.results:
-        raise _fault(requested.source, 'results: expected a figure, as "Mkr.peak", got none; name one')
-    try:
-        figures = named_figures(case.mechanism, requested.results)
-    except LinkproofError as error:
-        raise _fault(requested.source, f"results: {error}") from error
-    if samples is None:
-        samples = SAMPLES if is_exact(case.mechanism) else FEW_SAMPLES
-    if samples < FEWEST:
-        raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
-    if samples > MOST:
-        raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
-    request = ToleranceRequest(case, result, figures, samples)
-    words = case.conditions + mass_words(case.linkage, request.names)
-    return replace(request, case=replace(case, conditions=words))
-
-
 EXACT, DIFFERENCE = "exact", "difference"
 QUANTILES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
 ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 designs
@@ -332,7 +175,7 @@ ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 des
 
 @dataclass(frozen=True)
 class ToleranceStudy:
-    """Results of a tolerance study, SI; nan for designs that do not assemble.
+    """The ``figures`` of a linkage in a case whose numbers have ``tolerances``, SI; nan where designs do not assemble.
 
     Transmission angles farthest from 90° are all on the side of the nominal one: an angle and π less it are as far.
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
@@ -341,23 +184,30 @@ class ToleranceStudy:
     assemble. ``random`` (results, samples) are random designs.
     """
 
-    request: ToleranceRequest
+    case: SteadyCase
+    tolerances: tuple[TolerancedNumber, ...]
+    figures: tuple[NamedFigure, ...]
     nominal: Array
     derivatives: Array
     changes: Array
     corners: Array
     random: Array
-    lost_corners: int = 0
+    lost_corners: int
+
+    @cached_property
+    def at_open_end(self) -> OpenEndFigures:
+        """The results whose extremes lie at an open end of the motion."""
+        return self.case.open_ends(self.figures)
 
     @property
     def how(self) -> str:
         """The word for the derivatives: exact or differences."""
-        return EXACT if is_exact(self.request.case.mechanism) else DIFFERENCE
+        return EXACT if is_exact(self.case.mechanism) else DIFFERENCE
 
     @property
     def has_all_corners(self) -> bool:
         """Whether every corner was worked out."""
-        return len(self.request.tolerances) <= ALL_CORNERS
+        return len(self.tolerances) <= ALL_CORNERS
 
     @cached_property
     def contributions(self) -> Array:
@@ -412,49 +262,99 @@ class ToleranceStudy:
     @property
     def _sizes(self) -> Array:
         """The ± of every tolerance, SI, (tolerances,)."""
-        return np.array([tolerance.plus_minus for tolerance in self.request.tolerances])
+        return np.array([tolerance.plus_minus for tolerance in self.tolerances])
 
     @property
     def _variances(self) -> Array:
         """The part of each result's variance that each tolerance causes, (results, tolerances)."""
-        deviation = np.array([tolerance.distribution.deviation for tolerance in self.request.tolerances])
+        deviation = np.array([tolerance.distribution.deviation for tolerance in self.tolerances])
         return np.asarray(np.square(self.contributions * deviation))
 
 
-def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:
-    """Compute a tolerance study; raises LinkproofError where the nominal or nearly all random designs fail."""
-    count, sizes = len(request.tolerances), np.array([tolerance.plus_minus for tolerance in request.tolerances])
-    derivatives = request.derivatives()
-    alone = np.concatenate([np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes)], axis=1)
-    corners = sizes[:, None] * _corners(derivatives)
+def tolerance_study(
+    case: SteadyCase, requested: Tolerances, samples: int | None = None, announce: Announce = lambda *_: None
+) -> ToleranceStudy:
+    """Compute a tolerance study of a linkage in a case.
+
+    Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
+    LinkproofError for an unknown name, no results, too few or too many samples, and where the nominal or nearly all
+    random designs fail.
+    """
+    numbers = tolerances(case.linkage, requested.table, requested.source, case.speed)
+    figures, samples = _checked_results(case, requested), _checked_samples(case, samples)
+    case = replace(case, conditions=case.conditions + mass_words(case.linkage, (number.name for number in numbers)))
+    _, derivatives = case.gradients({number.name: number.parameter.value for number in numbers}, figures)
+    count, sizes = len(numbers), np.array([number.plus_minus for number in numbers])
+    parts = [
+        np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes),
+        sizes[:, None] * _corners(derivatives), _random_offsets(numbers, samples),
+    ]  # fmt: skip
+    values = _results(case, numbers, figures, np.concatenate(parts, axis=1), announce)
+    borders = np.cumsum([part.shape[1] for part in parts[:-1]])
+    nominal, low, high, corners, random = np.split(values, borders, axis=1)
+    whole = np.count_nonzero(np.isfinite(random).all(axis=0))
+    if not np.all(np.isfinite(nominal)) or whole < FEWEST:
+        raise LinkproofError(
+            f"'{case.linkage.name}': expected designs that assemble at every angle, got {whole} of {samples}; lessen "
+            "the tolerances"
+        )
+    changes, lost = np.stack([low - nominal, high - nominal], axis=2), np.isnan(corners).any(axis=0)
+    return ToleranceStudy(
+        case, numbers, figures, nominal[:, 0], derivatives, changes, _corner_ranges(corners), random,
+        int(np.count_nonzero(lost)),
+    )  # fmt: skip
+
+
+def _checked_results(case: SteadyCase, requested: Tolerances) -> tuple[NamedFigure, ...]:
+    """The requested figures; raises LinkproofError, with the line in their file, for none or an unknown one."""
+    if not requested.results:
+        raise _fault(requested.source, 'results: expected a figure, as "Mkr.peak", got none; name one')
+    try:
+        return named_figures(case.mechanism, requested.results)
+    except LinkproofError as error:
+        raise _fault(requested.source, f"results: {error}") from error
+
+
+def _checked_samples(case: SteadyCase, samples: int | None) -> int:
+    """The number of random designs, the usual one for None; raises LinkproofError for too few or too many."""
+    if samples is None:
+        return SAMPLES if is_exact(case.mechanism) else FEW_SAMPLES
+    if samples < FEWEST:
+        raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
+    if samples > MOST:
+        raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
+    return samples
+
+
+def _random_offsets(numbers: Sequence[TolerancedNumber], samples: int) -> Array:
+    """Random distances (tolerances, samples), SI, of the numbers from their nominal values."""
     from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that help does not pay
 
-    drawn = LatinHypercube(count, rng=SEED).random(request.samples).T
-    random = np.stack(
-        [
-            tolerance.plus_minus * tolerance.distribution.quantiles_at(row)
-            for tolerance, row in zip(request.tolerances, drawn, strict=True)
-        ]
-    )
-    values = request.results(np.concatenate([alone, corners, random], axis=1), announce)
-    first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
-    nominal, changes = values[:, 0], values[:, 1:first] - values[:, :1]
-    scattered = values[:, last:]
-    whole = np.isfinite(scattered).all(axis=0)
-    if not np.all(np.isfinite(nominal)) or np.count_nonzero(whole) < 2:
-        raise LinkproofError(
-            f"'{request.case.linkage.name}': expected designs that assemble at every angle, got "
-            f"{np.count_nonzero(whole)} of {request.samples}; lessen the tolerances"
-        )
-    return ToleranceStudy(
-        request,
-        nominal,
-        derivatives,
-        np.stack([changes[:, :count], changes[:, count:]], axis=2),
-        _corner_ranges(values[:, first:last]),
-        scattered,
-        int(np.count_nonzero(np.isnan(values[:, first:last]).any(axis=0))),
-    )
+    drawn = LatinHypercube(len(numbers), rng=SEED).random(samples).T
+    rows = zip(numbers, drawn, strict=True)
+    return np.stack([number.plus_minus * number.distribution.quantiles_at(row) for number, row in rows])
+
+
+def _results(
+    case: SteadyCase,
+    numbers: Sequence[TolerancedNumber],
+    figures: Sequence[NamedFigure],
+    offsets: Array,
+    announce: Announce,
+) -> Array:
+    """Results of designs at ``offsets`` (tolerances, designs), SI, (results, designs); nan if not assembled.
+
+    Masses and inertias that a wide normal distribution makes negative are zero.
+    """
+    least = [0.0 if number.parameter.kind in (Kind.MASS, Kind.INERTIA) else -math.inf for number in numbers]
+    nominal = np.array([number.parameter.value for number in numbers])
+    designs, count = np.maximum(nominal[:, None] + offsets, np.array(least)[:, None]), offsets.shape[1]
+    size, parts = TOGETHER if is_exact(case.mechanism) else ALONE, []
+    for start in range(0, count, size):
+        announce("designs", start, count)
+        some = designs[:, start : start + size]
+        parts.append(case.figures({number.name: row for number, row in zip(numbers, some, strict=True)}, figures))
+    return np.concatenate(parts, axis=1)
 
 
 def _corners(derivatives: Array) -> Array:

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 
     from reports.designs.linkages import Check, New
     from reports.designs.shelves import Listing
-    from reports.studies.designs import LazySweep, Optimisation, Sweep, Tolerance
+    from reports.designs.tolerance import Tolerance
+    from reports.studies.designs import LazySweep, Optimisation, Sweep
     from reports.studies.judged import Judgement
     from reports.studies.results import Results
 
@@ -330,8 +331,8 @@ def tolerance(
     MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
 
     results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
-    linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rod.B.length" = "50um",
-    "rocker.C.angle" = 0.1, speed = 10, "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ±
+    linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rocker.C.x" = "50um",
+    speed = 10, "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ±
     are three standard deviations).
 
     In Python ``tolerances`` may map names to their ±, and ``results`` name what the file would; the speed of the motion
@@ -341,10 +342,10 @@ def tolerance(
     >>> found.dataset.attrs["samples"]
     1000
     """
-    from comparisons.designer.tolerances import Tolerances, read_tolerances, tolerance_request, tolerance_study
+    from comparisons.designer.tolerances import Tolerances, read_tolerances, tolerance_study
     from reports.api.linkages import resolve
     from reports.api.steady import steady_case
-    from reports.studies.designs import Tolerance
+    from reports.designs.tolerance import Tolerance
 
     given = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
     asked = replace(given, results=given.results if results is None else words(results))
@@ -352,7 +353,7 @@ def tolerance(
     if motion.speed is None:
         motion = replace(motion, speed=asked.speed)
     case = steady_case(chosen, motion, scale_mass=scale_mass)
-    return Tolerance(tolerance_study(tolerance_request(case, asked, samples), announce))
+    return Tolerance(tolerance_study(case, asked, samples, announce))
 
 
 @checked

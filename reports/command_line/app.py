@@ -134,7 +134,7 @@ study_command(
     },
 )  # fmt: skip
 study_command(
-    app, "tolerance", designer.tolerance, study=f"{STUDIES}:Tolerance",
+    app, "tolerance", designer.tolerance, study="reports.designs.tolerance:Tolerance",
     summary="Show which length, angle or mass changes which result by how much.",
     offers={
         "save": "Write a row per result and number (.csv .json) or a picture (.svg .png .pdf); repeatable.",

@@ -236,7 +236,7 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
     ]
     beside = (
         "Figures stand to six digits; --json gives them in full. "
-        f"You can also vary speed, {linkage.phi.speed_unit.name}. Tolerances also accept POINT.length and POINT.angle."
+        f"You can also vary speed, {linkage.phi.speed_unit.name}."
     )
     parts: list[Printed] = [
         Paragraph(conditions, colour="bold"),

@@ -17,8 +17,7 @@ from comparisons.designer.linkage_check import warnings
 from comparisons.designer.optimisation import Optimum
 from comparisons.designer.parameters import design_file
 from comparisons.designer.sweep import SweepStudy, reason_not_assembled
-from comparisons.designer.tolerances import ToleranceStudy
-from reports.designs import optimise_terminal, sweep_terminal, tolerance_terminal
+from reports.designs import optimise_terminal, sweep_terminal
 from reports.document.study import PICTURES, Content, Study
 from reports.document.terminal import Printed, Printout
 
@@ -180,54 +179,3 @@ class Optimisation(Study):
         first = "" if file else "--save best.toml writes the new file; "
         command = shlex.join(["linkproof", "compare", file or "best.toml", *self.check_options])
         return f"To check it in an engine: {first}{command}"
-
-
-@dataclass(frozen=True, repr=False)
-class Tolerance(Study):
-    """The effect of tolerances on results, in the units of the file."""
-
-    suffixes: ClassVar = (".csv", ".json", *PICTURES)
-    study: ToleranceStudy
-
-    @property
-    def warnings(self) -> Sequence[str]:
-        """Warnings about results at open ends and about probable slips of the file."""
-        request = self.study.request
-        return [*filter(None, [request.at_open_end.sentence]), *warnings(request.case.linkage)]
-
-    @cached_property
-    def dataset(self) -> xarray.Dataset:
-        """The study over ``result`` and ``parameter``.
-
-        ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow
-        from ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is
-        computed with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile``
-        are of random designs. Derivatives are NaN where two local maxima are equal, and so are values of designs that
-        do not assemble.
-        """
-        return tolerance_terminal.dataset(self.study)
-
-    def printout(self) -> Printout:
-        """The printed study: a table per result, the largest contribution first; worst case, random designs."""
-        return tolerance_terminal.printout(self.study)
-
-    def sentence(self) -> Printed:
-        """The outcome in the random designs, in a sentence."""
-        return self.printout().closing[0]
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """The study as JSON prints it, without the single random designs."""
-        return tolerance_terminal.document(self.study)
-
-    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A row for every result and parameter."""
-        over = [name for name, data in self.dataset.items() if set(data.dims) <= {"result", "parameter"}]
-        return self.dataset[over].to_dataframe().reset_index()
-
-    def plot(self) -> Figure:
-        """A figure of the change of each result by each tolerance."""
-        return tolerance_terminal.tornado_figure(self.study)
-
-    def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix."""
-        return tolerance_terminal.csv_table(self.study) if suffix == ".csv" else super().content(suffix, **form)

@@ -185,7 +185,7 @@ TOLERANCES = """results = ["Mkr.peak", "stroke"]
 speed = 900
 [tolerances]
 "rod.B.x" = 0.05
-"rocker.C.angle" = { plus_minus = 0.1, distribution = "uniform" }
+"rocker.C.y" = { plus_minus = 0.05, distribution = "uniform" }
 "rod.mass" = "5g"
 """
 
@@ -211,7 +211,7 @@ def test_tables_files_and_python_have_the_same_numbers_of_tolerances(tmp_path, t
     assert any(line.startswith("worst case: ") and "at all 8 combinations of limits" in line for line in lines)
     assert "50 random designs, seed 0: all of them assemble" in lines
     assert lines[-1].startswith("± of a normal distribution are three standard deviations")
-    assert "rocker.C.angle" in (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert "rocker.C.y" in (tmp_path / "a.svg").read_text(encoding="utf-8")
 
     document = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert (document["conditions"], document["derivatives"], document["assembled"]) == (head, "exact", 1.0)
@@ -220,9 +220,9 @@ def test_tables_files_and_python_have_the_same_numbers_of_tolerances(tmp_path, t
     assert sum(row["share of variance"] for row in stroke["tolerances"]) == pytest.approx(1.0)
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [(row["result"], row["parameter"], row["parameter unit"]) for row in rows][3:5] == [
+    assert [(row["result"], row["parameter"], row["units"]) for row in rows][3:5] == [
         ("stroke", "rod.B.x", "mm"),
-        ("stroke", "rocker.C.angle", "deg"),
+        ("stroke", "rocker.C.y", "mm"),
     ]
     assert float(rows[3]["contribution"]) == stroke["tolerances"][0]["contribution"]
 
