@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -13,12 +13,11 @@ from comparisons.trials.runs.files import STORE
 from comparisons.trials.work_precision.table import (
     LARGE_OVERHEAD,
     PLACE,
-    SATURATED,
+    SETTING,
     WANTED,
     Bench,
     Regimes,
     Row,
-    Standing,
     by_regime,
     choices,
     engines,
@@ -29,11 +28,9 @@ from comparisons.trials.work_precision.table import (
     places,
     quantities,
     rows,
-    standings,
     sweeps,
 )
-from engines.contract import Setting
-from reports.document.numbers import ABSENT, bound, error, figure, seconds
+from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import (
     Bullets,
     Command,
@@ -58,24 +55,6 @@ if TYPE_CHECKING:
 
 # Times closer than this are the same time, however quiet the machine.
 LEAST_NOISE = 0.05
-
-
-def comparison_words(comparison: Standing, noise: float) -> str:
-    """The end of a sentence on how far a setting is from the methods' front.
-
-    ``best`` is compared with all methods, the others with those of a single run; a difference in time of a share
-    ``noise`` is ignored.
-    """
-    record, ratio, whole = comparison.record, comparison.ratio, comparison.record.setting == Setting.BEST
-    if (record.error_max or 0.0) > SATURATED:
-        return ": no solution"
-    if ratio is None or comparison.rival is None or comparison.rival_seconds is None:
-        return f"; no {'method' if whole else 'single run'} measured gets there"
-    front = "the front" if whole else "the front of single runs"
-    beside = f"{method_words(comparison.rival)} takes {seconds(comparison.rival_seconds)} to the same error"
-    if ratio <= 1.0 / (1.0 + noise):
-        return f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
-    return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
 
 
 def way_words(record: Row) -> str:
@@ -156,17 +135,12 @@ def overhead_words(record: Row) -> str:
     return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
 
 
-def setting_words(record: Row) -> str:
-    """The error and the time of a setting in words, with the adapter's share if it is known."""
-    share = "" if record.overhead is None else f", overhead {overhead_words(record)}"
-    return f"{error(record.error_max)} in {seconds(record.total_seconds)}{share}"
+# One mechanism under one regime, on the terminal and on the page: what each method and setting comes to, what to use.
 
 
-# The benchmark for a terminal: what each method comes to, what to use for an error, how the settings stand.
-
-
-CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time")
+CHOICES = ("engine", "to get", "time", "by")
+SETTINGS = ("engine", "setting", "error", "time", "overhead")
 # Columns of the table of all points that the terminal has if it is verbose.
 POINTS = ["mechanism", "regime", "engine", "setting", "runs", "effort", "step", "quantity", "outcome", "error_max",
           "error_rms", "setup_seconds", "seconds", "overhead", "steps", "detail"]  # fmt: skip
@@ -177,56 +151,61 @@ def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in requested if name in quantities(place)] or [foremost(place)]:
-            blocks += _place_printout(place, name, noise_share(bench))
+            blocks += _place_printout(place, name)
     known = bench.table[POINTS].map(lambda cell: "" if cell is None else cell)
     every = known.to_string(index=False, float_format="{:.4g}".format)
     return Printout(blocks, [noise_note(bench)], [every, ""])
 
 
-def _place_printout(place: DataFrame, quantity: str, noise: float) -> Iterator[Printed]:
+def _place_printout(place: DataFrame, quantity: str) -> Iterator[Printed]:
     """The block of one mechanism, regime and quantity: heading, tables, and what failed."""
     where = place.iloc[0]
-    name = f"{where.mechanism} ({where.variant}), {where.regime}"
-    measured = plain(quantity) if quantities(place) else ""
-    sentence = f"{measured}, largest error over the peak" if measured else "nothing finished"
-    yield Paragraph(f"{name}: {sentence}", colour="bold")
-    if measured:
-        yield from (_methods(place, quantity), "", _choices(place, quantity), "")
-    for points in engines(place, quantity):
-        for standing in standings(points):
-            record, words = standing.record, comparison_words(standing, noise)
-            yield f"{record.engine} {record.setting}: {setting_words(record)}{words}"
+    is_measured = bool(quantities(place))
+    what = f"{plain(quantity)}, largest error over the peak" if is_measured else "nothing finished"
+    yield Paragraph(f"{where.mechanism} ({where.variant}), {where.regime}: {what}", colour="bold")
+    for table in place_tables(place, quantity, {}):
+        yield from (table, "")
     for points in engines(place, quantity):
         for reason in failed_methods(points):
             yield Paragraph(f"{label_of(points)} {reason}", colour="yellow")
-    if measured:
+    if is_measured:
         yield ""
 
 
-def _methods(place: DataFrame, quantity: str) -> Table:
-    """The table of methods: order, and least error with its step and time."""
-    rows = []
-    for sweep in [sweep for points in engines(place, quantity) for sweep in sweeps(points)]:
-        best = least(sweep)
-        order = ABSENT if best.order is None else f"{best.order:.1f}"
-        names = (error(best.error_max), per_turn(best), seconds(best.total_seconds))
-        rows.append((label_of(sweep), method_words(best), order, *names))
-    return Table("", METHODS, tuple(rows), "llrrrr")
+def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str], str]) -> list[Table]:
+    """Methods, cheapest ways and settings in a quantity of a place; a table without rows is left out.
+
+    ``about`` describes methods by engine and name.
+    """
+    groups = engines(place, quantity)
+    methods = [_method_row(sweep, about) for points in groups for sweep in sweeps(points)]
+    ways = [row for points in groups if points.finished.any() for row in _choice_rows(points)]
+    settings = [
+        (label_of(points), row.setting, error(row.error_max), seconds(row.total_seconds), overhead_words(row))
+        for points in groups
+        for row in rows(points[points.finished & (points.kind == SETTING)])
+    ]
+    tables = ((METHODS, methods, "llrrrr"), (CHOICES, ways, "llrl"), (SETTINGS, settings, "llrrr"))
+    return [Table("", head, tuple(lines), align) for head, lines, align in tables if lines]
 
 
-def _choices(place: DataFrame, quantity: str) -> Table:
-    """The table of the cheapest way to each error; errors that one point of an engine serves share a row."""
-    rows = []
-    for points in [points for points in engines(place, quantity) if points.finished.any()]:
-        for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
-            errors = [bound(error) for _, error in part]
-            span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            if record:
-                names = (seconds(record.total_seconds), way_words(record))
-            else:
-                names = (ABSENT, f"not reached; least {error(points.error_max[points.finished].min())}")
-            rows.append((label_of(points), span, *names))
-    return Table("", CHOICES, tuple(rows), "llrl")
+def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple[TableCell | str, ...]:
+    """The row of a method: order, and least error, which may be a floor, with its step and time."""
+    best = least(sweep)
+    name = TableCell(method_words(best), note=about.get((best.engine, best.setting), ""))
+    order = ABSENT if best.order is None else f"{best.order:.1f}"
+    return label_of(sweep), name, order, error(best.error_max), per_turn(best), seconds(best.total_seconds)
+
+
+def _choice_rows(points: DataFrame) -> Iterator[tuple[str, ...]]:
+    """The rows of an engine's cheapest way to each error; errors that one point serves share a row."""
+    for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
+        errors = [bound(error) for _, error in part]
+        span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
+        if record:
+            yield label_of(points), span, seconds(record.total_seconds), way_words(record)
+        else:
+            yield label_of(points), span, ABSENT, f"not reached; least {error(points.error_max[points.finished].min())}"
 
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
@@ -292,26 +271,26 @@ def _time_span(records: Sequence[Row]) -> str:
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
-def choices_section(regimes: Regimes, note: str) -> Section:
-    """The section on the cheapest way to an error: over all mechanisms, then each in a fold, with ``note``."""
-    each = {f"{place.mechanism.iloc[0]}, {name}": (place,) for name, places in regimes.items() for place in places}
-    whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
-    folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)
-    return Section(
-        "use",
-        "What to use for an error",
-        (whole, *(folds if len(each) > len(regimes) else ()), Paragraph(note, "small")),
+def choices_section(regimes: Regimes, bench: Bench) -> Section:
+    """The section on the cheapest way to an error: over all mechanisms, then each in a fold with all its tables."""
+    about = {(method["engine"], method["name"]): method["about"] for method in bench.document["methods"]}
+    head = ("Regime", "Engine", *map(bound, WANTED))
+    judged, overheads = judged_by(regimes), large_overheads(bench)
+    whole = Table(
+        sentence("bench_use", judged=judged), head, tuple(blank_repeats(_regime_rows(regimes))), "l", style="choices"
     )
+    slowed = (Paragraph(sentence("bench_overheads", rows=overheads, most=LARGE_OVERHEAD)),) if overheads else ()
+    folds = [
+        Fold(f"{place.mechanism.iloc[0]}, {name}", tuple(place_tables(place, foremost(place), about)))
+        for name, places in regimes.items()
+        for place in places
+    ]
+    words = (Paragraph(sentence("bench_places", judged=judged)), *folds, Paragraph(noise_note(bench), "small"))
+    return Section("use", "What to use for an error", (whole, *slowed, *words))
 
 
-def _table(caption: str, corner: str, groups: Regimes) -> Table:
-    """A table with a row for every engine of a group; neighbouring cells that are equal are joined."""
-    head = (corner, "Engine", *map(bound, WANTED))
-    return Table(caption, head, tuple(blank_repeats(_choice_rows(groups))), "l", style="choices")
-
-
-def _choice_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
-    """A row per group and engine; neighbouring cells that are equal are joined."""
+def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
+    """A row per regime and engine; neighbouring cells that are equal are joined."""
     for name, group in groups.items():
         by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
@@ -403,64 +382,7 @@ def _digits(value: object) -> object:
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
-# The settings compared with the methods of their engine, and the methods' orders and least errors.
-
-
-# Of one engine in one place: a row's head and its cell there.
-Rows: TypeAlias = "Callable[[DataFrame], Iterator[tuple[TableCell, TableCell]]]"
-
-
-def method_section(regimes: Regimes, bench: Bench) -> Section:
-    """The section on settings, orders and least errors, and on settings slowed by their adapters."""
-    about = {(method["engine"], method["name"]): method["about"] for method in bench.document["methods"]}
-    noise, overheads = noise_share(bench), large_overheads(bench)
-
-    def settings(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
-        """The cells of each setting of an engine: its name, and its error and time."""
-        has_methods = bool(sweeps(points))
-        for each in standings(points):
-            comparison = comparison_words(each, noise).lstrip(":; ") if has_methods else ""
-            words = setting_words(each.record).replace(" ", "\u00a0").replace(",\u00a0", ", ")
-            cell = TableCell(words, note=comparison.partition(":")[0], tooltip=comparison)
-            yield TableCell(each.record.setting), cell
-
-    def methods_of(points: DataFrame) -> Iterator[tuple[TableCell, TableCell]]:
-        """The cells of each method of an engine: its name, and its order and least error."""
-        for sweep in sweeps(points):
-            first = sweep.iloc[0]
-            order = "no order" if first.order is None else f"order {first.order:.1f}"
-            row = TableCell(method_words(first), note=about[first.engine, first.setting])
-            yield row, TableCell(order, note=least_words(sweep))
-
-    orders = _by_mechanism(regimes, "bench_orders", "Method", methods_of)
-    folds = (Fold("The methods: orders and least errors", (orders,)),) if orders.rows else ()
-    name = "bench_standings" if folds else "bench_settings"
-    table = _by_mechanism(regimes, name, "Setting", settings)
-    heading = "The settings against the methods" if folds else "The settings"
-    named = (Paragraph(sentence("bench_overheads", rows=overheads, most=LARGE_OVERHEAD)),) if overheads else ()
-    return Section("settings", heading, (table, *named, *folds))
-
-
-def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
-    """A table with engines and their rows down, mechanisms by regime across."""
-    places = [place for part in regimes.values() for place in part]
-    table: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
-    for column, place in enumerate(places):
-        for points in engines(place):
-            for row, cell in rows_of(points):
-                table.setdefault(label_of(points), {}).setdefault(row, {})[column] = cell
-    none = TableCell(ABSENT, "absent")
-    rows = blank_repeats(
-        (label, row, *(mine.get(column, none) for column in range(len(places))))
-        for label, cells in table.items()
-        for row, mine in cells.items()
-    )
-    groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
-    head = ("Engine", name, *(place.mechanism.iloc[0] for place in places))
-    return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)
-
-
-# The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods.
+# The benchmark's page: the cheapest engines, the diagram, what to use for an error.
 
 LINK = PageLink("Work-precision", "bench.html")
 
@@ -473,8 +395,7 @@ def page(bench: Bench) -> Page:
     if groups := by_regime(bench):
         reading = Paragraph(sentence("bench_reading"), "small")
         first = (*verdicts(groups, noise_share(bench)), widget(groups, labels), reading)
-        methods = method_section(groups, bench)
-        sections += [choices_section(groups, noise_note(bench)), methods]
+        sections.append(choices_section(groups, bench))
     if failed := _failures(every):
         sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
     heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
@@ -503,7 +424,7 @@ def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
 def _measured(bench: Bench) -> Section:
     """The section on the conditions of the measurement."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
-    sentences = lines("measurement", extent=document["extent"], noise=bench.noise, share=noise_share(bench))
+    sentences = lines("measurement", extent=document["extent"], noise=bench.noise)
     facts = Facts((
         ("Conditions", document["conditions"]),
         *environment_facts(document["environment"]),

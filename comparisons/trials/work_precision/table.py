@@ -1,7 +1,7 @@
 """The runs of a benchmark, one to a point, as a table, and the questions to it; saved and read back.
 
-Questions are orders, least errors, fronts, the point to choose, and the settings' standing. Times are those of set-up
-and stepping, each the shortest of the repeats: a method that steps fast because it builds for long is not cheap.
+Questions are orders, least errors and the point to choose. Times are those of set-up and stepping, each the shortest of
+the repeats: a method that steps fast because it builds for long is not cheap.
 ``points`` are rows of one engine in one quantity of a mechanism and regime, a sweep one method's.
 """
 
@@ -14,16 +14,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-from analytic.numerics.arrays import Array, Booleans
+from analytic.numerics.arrays import Array
 from comparisons.trials.judging.records import RunRecord, Verdict
 from comparisons.trials.runs.store import load_study, save_study
-from engines.contract import Outcome, Setting
+from engines.contract import Outcome
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -227,19 +227,6 @@ def still_improves(errors: Sequence[float]) -> bool:
     return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
-def pareto(costs: Sequence[float], errors: Sequence[float]) -> Booleans:
-    """Which of the points (n,) no other beats, that is, is at most as dear and as wrong, and less in one of the two."""
-    order = np.lexsort((errors, costs))
-    unbeaten = np.zeros(len(costs), dtype=bool)
-    least, at = math.inf, math.nan
-    for k in order:
-        # Sorted by cost, then error: only a smaller error, or a twin of the last point on the front, is not beaten.
-        if errors[k] < least or (errors[k] == least and costs[k] == at):
-            unbeaten[k] = True
-            least, at = errors[k], costs[k]
-    return unbeaten
-
-
 def sustained(errors: Sequence[float], limit: float) -> int | None:
     """Index of the coarsest step from which all finer ones, down to the smallest error, are at or below ``limit``.
 
@@ -252,21 +239,6 @@ def sustained(errors: Sequence[float], limit: float) -> int | None:
     while place > 0 and errors[place - 1] <= limit:
         place -= 1
     return place
-
-
-def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> float | None:
-    """The cost at which the error of a sweep, coarse to fine, falls to ``limit``, by logarithms between two points.
-
-    None where it never gets there.
-    """
-    place = sustained(errors, limit)
-    if place is None:
-        return None
-    if place == 0 or errors[place] <= 0.0:
-        return float(costs[place])
-    above, below = math.log(errors[place - 1] / limit), math.log(limit / errors[place])
-    share = above / (above + below)
-    return math.exp((1.0 - share) * math.log(costs[place - 1]) + share * math.log(costs[place]))
 
 
 LARGE_OVERHEAD = 0.3  # of the stepping: a larger share of work that is not the engine's is named
@@ -304,13 +276,6 @@ def has_floor(sweep: DataFrame) -> bool:
     return len(sweep) > 1 and not is_falling(list(sweep.error_max))
 
 
-def front(points: DataFrame) -> DataFrame:
-    """The points that no other beats in both time and error, in the order of time."""
-    done = points[points.finished]
-    unbeaten = pareto(done.total_seconds.to_list(), done.error_max.to_list())
-    return done[unbeaten].sort_values("total_seconds", kind="stable")
-
-
 def sweep_orders(points: DataFrame) -> dict[tuple[str, str], float]:
     """The observed order of the sweep of each point, where it has one, by the point's key and the quantity."""
     orders: dict[tuple[str, str], float] = {}
@@ -336,40 +301,6 @@ def choices(points: DataFrame) -> list[Row | None]:
             at = sustained([row.error_max for row in method], limit)
             reaching += [] if at is None else [method[at]]
         found.append(min(reaching, key=lambda row: row.total_seconds, default=None))
-    return found
-
-
-class Standing(NamedTuple):
-    """A setting against the methods' front: ``rival`` is the cheapest method's point behind ``rival_seconds``.
-
-    ``best`` is compared with all methods, every other setting with those of a single run. Both are None where no
-    method gets to the setting's error.
-    """
-
-    record: Row
-    rival: Row | None = None
-    rival_seconds: float | None = None
-
-    @property
-    def ratio(self) -> float | None:
-        """Time of the setting over the cheapest method's at the same error; below one it is ahead of every method."""
-        return None if self.rival_seconds is None else self.record.total_seconds / self.rival_seconds
-
-
-def standings(points: DataFrame) -> list[Standing]:
-    """How far each setting is from the front of the methods; settings of the control are left out."""
-    done = points[points.finished & ~points.is_control]
-    methods = [rows(sweep) for sweep in sweeps(done)]
-    found = []
-    for row in rows(done[done.kind == SETTING]):
-        met = []
-        for method in methods:
-            errors = [rival.error_max for rival in method]
-            cost = price([rival.total_seconds for rival in method], errors, row.error_max)
-            at = sustained(errors, row.error_max)
-            if cost is not None and at is not None and (row.setting == Setting.BEST or not method[0].is_extrapolated):
-                met.append(Standing(row, method[at], cost))
-        found.append(min(met, key=lambda standing: standing.rival_seconds or 0.0, default=Standing(row)))
     return found
 
 

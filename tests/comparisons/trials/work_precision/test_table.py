@@ -1,4 +1,4 @@
-"""Order, front and price against their definitions; choices, places and the saved form of records known by hand."""
+"""The order against its definition; choices, places and the saved form of records known by hand."""
 
 from itertools import combinations
 
@@ -19,10 +19,7 @@ from comparisons.trials.work_precision.table import (
     least,
     load,
     observed_order,
-    pareto,
-    price,
     save,
-    standings,
     still_improves,
     sustained,
     sweeps,
@@ -31,7 +28,6 @@ from comparisons.trials.work_precision.table import (
 from tests.made_up import bench_of, points, row, setting_row, sweep_rows
 
 STEPS = [0.1 / 2**k for k in range(12)]
-POSITIVE = st.sampled_from([1e-6, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0])
 
 SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
 FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, runs=2)
@@ -80,14 +76,6 @@ def test_the_slope_is_the_median_of_those_between_all_pairs(values):
     assert theil_sen(x, y) == pytest.approx(np.median(slopes))
 
 
-@settings(max_examples=30)
-@given(st.lists(st.tuples(POSITIVE, POSITIVE), min_size=1, max_size=25))
-def test_the_front_is_what_no_other_beats(points):
-    costs, errors = zip(*points, strict=True)
-    beaten = [any(c <= cost and e <= error and (c < cost or e < error) for c, e in points) for cost, error in points]
-    assert list(pareto(costs, errors)) == [not one for one in beaten]
-
-
 @given(st.lists(st.floats(1e-12, 1.0), min_size=1, max_size=12), st.floats(1e-12, 1.0))
 def test_from_the_place_found_every_step_to_the_smallest_error_holds(errors, wanted):
     place, best = sustained(errors, wanted), errors.index(min(errors))
@@ -96,20 +84,6 @@ def test_from_the_place_found_every_step_to_the_smallest_error_holds(errors, wan
     else:
         assert all(error <= wanted for error in errors[place : best + 1])
         assert place == 0 or errors[place - 1] > wanted
-
-
-@given(st.floats(1.0, 6.0), st.floats(1e-6, 0.05))
-def test_a_price_on_a_straight_line_is_exact(order, wanted):
-    costs = [2.0**k for k in range(24)]
-    errors = [0.1 * cost**-order for cost in costs]
-    expected = (0.1 / wanted) ** (1.0 / order)
-    assert price(costs, errors, wanted) == pytest.approx(expected)
-
-
-def test_a_price_beyond_the_sweep_is_none_and_before_it_the_first():
-    assert price([1.0, 2.0], [1e-2, 1e-3], 1e-4) is None
-    assert price([1.0, 2.0], [1e-2, 1e-3], 0.5) == 1.0
-    assert price([1.0, 2.0], [1e-2, 0.0], 1e-4) == 2.0
 
 
 @pytest.mark.parametrize(
@@ -134,18 +108,6 @@ def test_the_cheapest_point_that_holds_an_error_is_chosen():
         held = [one for one in (*SECOND, *FOURTH) if one.errors[0].error_max <= wanted]
         expected = min(held, key=lambda one: one.total_seconds, default=None)
         assert (choice and choice.key) == (expected and expected.key)
-
-
-def test_a_setting_is_compared_with_the_price_of_its_error():
-    # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
-    tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
-    found, other = standings(bench_of(*SECOND, *FOURTH, tuned, best).table)
-    assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
-    assert found.ratio == pytest.approx(2.0)
-    assert other.rival_seconds == pytest.approx(8 * 4e-3)
-    assert other.rival.setting == "fourth"
-    (beyond,) = standings(bench_of(*SECOND, setting_row("best", 1e-12, 1.0)).table)
-    assert (beyond.ratio, beyond.rival) == (None, None)
 
 
 def _document():
