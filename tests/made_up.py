@@ -14,19 +14,20 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
+from comparisons.motion.thinning import stored_curve
 from comparisons.trials.campaign.campaign import CampaignRequest
 from comparisons.trials.campaign.results import CampaignResults, document
 from comparisons.trials.invariants.checks import INVARIANTS
 from comparisons.trials.judging.limits import judge
-from comparisons.trials.judging.quantities import QUANTITIES, Deviation, near_jumps
+from comparisons.trials.judging.quantities import QUANTITIES, near_jumps
 from comparisons.trials.judging.records import NAMES, Error, RunRecord, Verdict, run_of
+from comparisons.trials.runs.store import Curve
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.cells import StressVerdict, axes
 from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun
 from engines.contract import ReadOut, Setting
 from tests.comparisons.true_motions import cell
 
-ERRORS = ("error_max", "error_rms", "peak", "worst_time", "samples", "left_out")
 SIZES = {Setting.NAIVE: 9e-2, Setting.TUNED: 1.3e-6, Setting.BEST: 4e-8}
 PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed and not quantity.needs_thread)
 CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
@@ -97,20 +98,17 @@ def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, V
         return replace(run, errors=tuple(_named(blank, name, **facts) for name in request.quantities))
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
-    errors = tuple(
-        judge(_named(blank, name, **{field: getattr(found, field) for field in ERRORS}))
-        for name, found in deviations.items()
-    )
+    errors = tuple(judge(_named(blank, name, **found)) for name, (found, _) in deviations.items())
     invariants = tuple(
         judge(_named(blank, name, error_max=0.3 * size, error_rms=0.1 * size, peak=1.0, samples=samples))
         for name in INVARIANTS
     )
-    curves = {name: found.curve for name, found in deviations.items()}
+    curves = {name: curve for name, (_, curve) in deviations.items()}
     details = {"step": 1e-4, "scheme": "made up", "passes": 2}
     return replace(run, errors=errors, invariants=invariants, details=details, curves=curves)
 
 
-def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
+def _deviation(case: Case, name: str, size: float, samples: int) -> tuple[dict[str, Any], Curve]:
     time = np.linspace(0.0, case.motion.duration, samples)
     if name == "Jeq":
         time = time[np.abs(case.motion.speed(time)) >= case.least_speed]
@@ -121,18 +119,15 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
         judged_samples = ~near_jumps(time, case.motion)
     ripple = size * peak * np.sin(37.0 * case.motion.angle(time)) * (0.3 + 0.7 * time / time[-1])
     relative = np.abs(ripple[judged_samples]) / peak
-    return Deviation(
-        time=time,
-        angle=case.motion.angle(time),
-        observed=reference + ripple,
-        reference=reference,
-        peak=peak,
-        error_max=float(np.max(relative)),
-        error_rms=float(np.sqrt(np.mean(relative**2))),
-        worst_time=float(time[judged_samples][np.argmax(relative)]),
-        samples=int(judged_samples.sum()),
-        left_out=samples - int(judged_samples.sum()),
-    )
+    found = {
+        "error_max": float(np.max(relative)),
+        "error_rms": float(np.sqrt(np.mean(relative**2))),
+        "peak": peak,
+        "worst_time": float(time[judged_samples][np.argmax(relative)]),
+        "samples": int(judged_samples.sum()),
+        "left_out": samples - int(judged_samples.sum()),
+    }
+    return found, stored_curve(time, case.motion.angle(time), reference, ripple)
 
 
 def _named(blank: Error, name: str, **values: Any) -> Error:

@@ -7,6 +7,7 @@ from comparisons.filejudge.judge import judge
 from comparisons.motion.case import Case
 from comparisons.trials.judging.limits import limit
 from comparisons.trials.judging.quantities import chosen_quantities, deviation
+from comparisons.trials.judging.records import NAMES, Error
 from comparisons.trials.observed_motion import ObservedMotion
 from engines.contract import Setting
 from reports.imported import sentences
@@ -26,9 +27,10 @@ def test_curves_of_an_engine_are_right_or_wrong_by_its_step_or_softness(name, se
     model = driven(MECHANISM, MOTION)
     motion = ObservedMotion(model, history_of(installed(name), model, setting))
     for quantity in chosen_quantities(Case(MECHANISM, MOTION), ("Mkr", "S", "v", "a")):
-        found = deviation(Case(MECHANISM, MOTION), quantity, motion)
+        case = Case(MECHANISM, MOTION)
+        found, curve = deviation(case, quantity, motion, Error(*NAMES))[0], quantity.observed(case, motion)
         allowed = limit(quantity.name, setting, MOTION.regime, name).value
-        results = results_of({quantity.name: found.observed}, found.time, digits=9)
+        results = results_of({quantity.name: curve.values}, curve.time, digits=9)
         words = " ".join(sentences(judge(MECHANISM.linkage, results, MOTION, limit=allowed)))
         if found.error_max > 2.0 * allowed:
             assert words.startswith("Not right")

@@ -15,13 +15,20 @@ from comparisons.designer.building import bare_sheet, usual_sheet
 from comparisons.designer.sheet import Sheet
 from comparisons.motion.case import Case, case_of_file_regime, unpickle_case
 from comparisons.trials.invariants.checks import checks
-from comparisons.trials.judging.limits import LimitTable, judged_deviation, shipped_limits
-from comparisons.trials.judging.quantities import JOINT_FORCE, Deviation, Quantity, check_defined, chosen_quantities
+from comparisons.trials.judging.limits import LimitTable, judge, shipped_limits
+from comparisons.trials.judging.quantities import (
+    JOINT_FORCE,
+    NoSampleError,
+    Quantity,
+    check_defined,
+    chosen_quantities,
+    deviation,
+)
 from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict, run_of
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Failure, Lost, RunBounds, blamed_on, run_engine
-from comparisons.trials.runs.store import Runs
+from comparisons.trials.runs.store import Curve, Runs
 from comparisons.trials.runs.tasks import Announce, Task, TaskList
 from comparisons.trials.runs.workers import LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
@@ -188,7 +195,7 @@ def compared(
         run,
         errors=tuple(error for error, _ in found),
         invariants=checks(case, motion, blank) if with_invariants else (),
-        curves={error.quantity: deviation.curve for error, deviation in found if deviation is not None},
+        curves={error.quantity: curve for error, curve in found if curve is not None},
     )
 
 
@@ -202,8 +209,11 @@ def _without_motion(
 
 def _compare_quantity(
     case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
-) -> tuple[Error, Deviation | None]:
-    """A quantity's judged error, and the deviation behind it; None where the run has no sample to judge."""
+) -> tuple[Error, Curve | None]:
+    """A quantity's judged error, and the curve behind it; None where the run has no sample to judge.
+
+    The origin is that of the ``blank`` record, if it has one, or the engine's own.
+    """
     blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
     lacking = quantity.lacking(motion)
     if lacking:
@@ -212,7 +222,12 @@ def _compare_quantity(
             return blank._replace(outcome=Verdict.NOT_PROVIDED.value, origin="", detail=detail), None
         detail = f"its adapter offers {lacking} but did not record it"
         return blank._replace(outcome=Verdict.ADAPTER_ERROR.value, origin="", detail=detail), None
-    return judged_deviation(case, quantity, motion, blank)
+    blank = blank._replace(origin=blank.origin or quantity.origin(motion).value)
+    try:
+        record, curve = deviation(case, quantity, motion, blank)
+    except NoSampleError as error:
+        return blank._replace(outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+    return judge(record), curve
 
 
 # The data sheets of a campaign's linkages, made in worker processes.

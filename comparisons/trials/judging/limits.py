@@ -15,10 +15,7 @@ from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.description.loading import read_document
 from analytic.description.schema import Positive, Tables, TomlTable
 from analytic.errors import UnknownNameError
-from comparisons.motion.case import Case
-from comparisons.trials.judging.quantities import Deviation, NoSampleError, Quantity, deviation
 from comparisons.trials.judging.records import Error, Verdict
-from comparisons.trials.observed_motion import ObservedMotion
 from engines.contract import Origin, Setting
 from engines.registry import engine_names
 
@@ -178,32 +175,6 @@ V = TypeVar("V")
 def judge(record: Error) -> Error:
     """The record with limit and verdict, by the suite's own limits."""
     return shipped_limits().judge(record)
-
-
-def judged_deviation(
-    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error
-) -> tuple[Error, Deviation | None]:
-    """The judged record of a quantity that a motion has, and the deviation behind it; None without a sample to judge.
-
-    The origin is that of the ``blank`` record, if it has one, or the engine's own.
-    """
-    origin = blank.origin or quantity.origin(motion).value
-    blank = blank._replace(quantity=quantity.name, unit=quantity.unit, origin=origin)
-    try:
-        result = deviation(case, quantity, motion)
-    except NoSampleError as error:
-        return blank._replace(outcome=Verdict.UNDEFINED.value, detail=str(error)), None
-    record = blank._replace(
-        shared=quantity.shared(case, motion),
-        error_max=result.error_max,
-        error_rms=result.error_rms,
-        error_at_jumps=result.error_at_jumps,
-        peak=result.peak,
-        worst_time=result.worst_time,
-        samples=result.samples,
-        left_out=result.left_out,
-    )
-    return judge(record), result
 
 
 def deciding(records: Sequence[Error]) -> Sequence[Error]:

@@ -28,6 +28,7 @@ from analytic.numerics.arrays import Array, Booleans
 from analytic.signals import SINGLE_SIGNALS, feed, feed_of_length, reference_angle, reference_length, unit_of
 from comparisons.motion.case import Case, DriverMotion, zero_of_output
 from comparisons.motion.thinning import stored_curve
+from comparisons.trials.judging.records import Error
 from comparisons.trials.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from comparisons.trials.runs.store import Curve
 from engines.contract import Origin, Signal
@@ -342,53 +343,19 @@ class NoSampleError(ValueError):
     """No sample of a run allows a comparison of a quantity."""
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
-
-    ``angle`` is the true crank angle at every sample, rad. ``observed`` and ``reference`` of a vector are its
-    magnitudes; its errors are those of the vector where the engine tells vectors. ``error_at_jumps`` is by how much the
-    largest error of a sample at a jump is over the size of the jump.
-    """
-
-    time: Array
-    angle: Array
-    observed: Array
-    reference: Array
-    peak: float
-    error_max: float
-    error_rms: float
-    worst_time: float
-    samples: int
-    left_out: int
-    error_at_jumps: float = 0.0
-
-    @property
-    def curve(self) -> Curve:
-        """The samples of the deviation as a run stores them, thinned."""
-        return stored_curve(self.time, self.angle, self.reference, self.observed - self.reference)
-
-
-def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
-    """The deviation of one quantity over every sample that the engine returned.
+def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error) -> tuple[Error, Curve]:
+    """The ``blank`` record with the errors of one quantity over every sample that the engine returned, and its curve.
 
     Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own: there an
     engine may be off by the jump besides; where friction or a load jumps they are left out. Samples of Jeq near
-    standstill are left out and counted. A vector of which the engine tells the magnitude is compared as a magnitude.
-    Raises NoSampleError where no sample is left.
+    standstill are left out and counted. A vector is compared as one, and stored by its magnitude; where the engine
+    tells the magnitude alone, magnitudes are compared. Raises NoSampleError where no sample is left.
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
     if quantity.needs_thread and (reason := quantity.undefined(case)):
         raise NoSampleError(reason)
-    return signal_deviation(case, quantity, quantity.observed(case, motion), len(_sample_times(quantity, motion)))
-
-
-def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
-    """The deviation of a signal that was read from an engine's motion; ``clock`` is its number of samples.
-
-    Raises NoSampleError where no sample is left.
-    """
+    signal = quantity.observed(case, motion)
     counted = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
         counted &= ~has_two_values(case, signal.time)
@@ -396,37 +363,34 @@ def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int)
         raise NoSampleError(
             f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
         )
-    reference = quantity.reference(case, signal.time)
-    if signal.values.ndim < reference.ndim:
-        reference = _magnitudes(reference)
-    difference = _magnitudes(signal.values - reference)[counted]
-    peak = float(np.max(_magnitudes(reference)[counted]))
+    truth = quantity.reference(case, signal.time)
+    reference = _magnitudes(truth)
+    errors = _magnitudes(signal.values - (truth if signal.values.ndim == truth.ndim else reference))
+    difference, peak = errors[counted], float(np.max(reference[counted]))
     if peak == 0.0 and case.mechanism.linkage.is_massless:
         raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
-    scale = peak or 1.0
-    worst = int(np.argmax(difference))
-    return Deviation(
-        time=signal.time,
-        angle=case.motion.angle(signal.time),
-        observed=signal.values if signal.values.ndim == 1 else _magnitudes(signal.values),
-        reference=reference if reference.ndim == 1 else _magnitudes(reference),
-        peak=peak,
+    scale, worst = peak or 1.0, int(np.argmax(difference))
+    record = blank._replace(
+        shared=quantity.shared(case, motion),
         error_max=float(difference[worst] / scale),
         error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
+        error_at_jumps=_error_at_jumps(case, quantity, signal.time, errors) / scale,
+        peak=peak,
         worst_time=float(signal.time[counted][worst]),
         samples=len(difference),
-        left_out=clock - len(difference),
-        error_at_jumps=_error_at_jumps(case, quantity, signal, reference) / scale,
+        left_out=len(_sample_times(quantity, motion)) - len(difference),
     )
+    observed = signal.values if signal.values.ndim == 1 else _magnitudes(signal.values)
+    reference = truth if truth.ndim == 1 else reference  # a number keeps its sign
+    return record, stored_curve(signal.time, case.motion.angle(signal.time), reference, observed - reference)
 
 
-def _error_at_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
-    """The largest error of the samples at an acceleration jump beyond the size of that jump, SI."""
+def _error_at_jumps(case: Case, quantity: Quantity, time: Array, errors: Array) -> float:
+    """The largest of the ``errors`` (n,), SI, of samples at an acceleration jump beyond the size of that jump."""
     jumps = case.motion.jumps if quantity.holds_acceleration else ()
-    beside = [near_jump(signal.time, case.motion, jump) for jump in jumps]
+    beside = [near_jump(time, case.motion, jump) for jump in jumps]
     if not np.any(beside):
         return 0.0
-    errors = _magnitudes(signal.values - reference)
     before, after = _truth_beside_jumps(case, quantity)
     most = (np.max(errors[near], initial=0.0) for near in beside)
     return max(0.0, *(float(worst - size) for worst, size in zip(most, _magnitudes(after - before), strict=True)))

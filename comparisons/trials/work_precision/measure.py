@@ -123,22 +123,17 @@ def _family_errors(
     for name, family in families.items():
         reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
         detail = f"{', '.join(reasons)} {' or '.join(dict.fromkeys(reasons.values()))}" if reasons else ""
-        deviations = [
-            (deviation(alone, quantity, motion), quantity.unit) for quantity in family if quantity.name not in reasons
+        found = [
+            deviation(alone, quantity, motion, blank._replace(unit=quantity.unit))[0]
+            for quantity in family
+            if quantity.name not in reasons
         ]
-        if not deviations:
+        if not found:
             yield blank._replace(quantity=name, outcome=Verdict.NOT_PROVIDED.value, detail=detail)
             continue
-        worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
-        yield blank._replace(
-            quantity=name,
-            unit=unit,
-            error_max=worst.error_max,
-            error_rms=max(each.error_rms for each, _ in deviations),
-            peak=worst.peak,
-            outcome=Verdict.MEASURED.value,
-            detail=detail,
-        )
+        worst = max(found, key=lambda error: error.error_max or 0.0)
+        rms = max(error.error_rms or 0.0 for error in found)
+        yield worst._replace(quantity=name, error_rms=rms, outcome=Verdict.MEASURED.value, detail=detail)
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:

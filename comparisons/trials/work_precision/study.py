@@ -72,43 +72,23 @@ QUICK = Extent(
 OUT_OF_TIME = "the time for the whole benchmark was up"
 
 
-@dataclass(frozen=True)
-class Point:
-    """One way of running one engine on one case: its ``run`` before it is made.
+@dataclass
+class PointSweep:
+    """A sweep under way: a setting, or a method from coarse steps to fine ones, of one engine on one case.
 
-    ``case`` is its place among the cases, ``usage`` the setting or method to run; None if the engine is not installed.
+    ``case`` is its place among the cases, ``usage`` the setting or method; None if the engine is not installed.
+    ``points`` are its runs before they are made, ``measurements`` those that are made. ``ended`` says why it went no
+    further, once it has ended.
     """
 
     case: int
     usage: Setting | Method | None
-    run: BenchRun
-
-    @property
-    def words(self) -> str:
-        """The setting, or the method with its steps per turn, in words."""
-        if self.run.steps_per_turn is None:
-            return f"setting {self.run.setting}"
-        return f"{self.run.setting}, {self.run.steps_per_turn:g} steps a turn"
-
-    @property
-    def key(self) -> str:
-        """The key of the point, unique in the benchmark."""
-        return f"{self.case} {self.run.engine} {self.words}"
-
-
-@dataclass
-class PointSweep:
-    """A sweep under way: the points still to come, coarse to fine, and what came of those done.
-
-    ``ended`` says why it went no further, once it has ended.
-    """
-
-    points: Sequence[Point]
-    budget: float
+    points: Sequence[BenchRun]
+    budget: float = math.inf
     measurements: list[BenchRun] = field(default_factory=list)
     ended: str = ""
 
-    def next(self) -> Point | None:
+    def next(self) -> BenchRun | None:
         """The point to measure next, the same until ``add``; None, with ``ended`` set, when the sweep has ended."""
         if not self.ended:
             self.ended = self._why_ended()
@@ -139,11 +119,11 @@ class PointSweep:
             return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
         return ""
 
-    def _estimated_seconds(self, point: Point) -> float:
+    def _estimated_seconds(self, point: BenchRun) -> float:
         """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
         rates = [run.seconds / run.steps_per_turn for run in self.measurements if run.steps_per_turn and run.seconds]
         setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
-        return setup + min(rates, default=0.0) * (point.run.steps_per_turn or 0.0)
+        return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _why_failed(self) -> str:
         """The last failure in words if it ends the sweep, else "".
@@ -190,28 +170,26 @@ class Rounds:
             measure, self._lost_point, BenchRun.written, BenchRun.from_row, finished, announce, request.pool
         )
 
-    def run(self, number: int, points: Sequence[Point]) -> None:
-        """Measure points in the round ``number``, as long as there is time."""
-        tasks = [self._point_task(number, point) for point in points if point.usage]
+    def run(self, number: int, batch: Sequence[tuple[PointSweep, BenchRun]]) -> None:
+        """Measure points of sweeps in the round ``number``, as long as there is time."""
+        tasks = [self._point_task(number, sweep, point) for sweep, point in batch]
         self.study.expect(tasks)
         bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
         with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
             while self.seconds_left() > 0.0 and next(ended, None) is not None:
                 pass
 
-    def measurement(self, number: int, point: Point) -> BenchRun | None:
+    def measurement(self, number: int, point: BenchRun) -> BenchRun | None:
         """The measurement of a point in a round; None if it was not measured."""
-        if not point.usage:
-            return point.run
         key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
-    def repeats(self, point: Point, rounds: int) -> list[BenchRun]:
+    def repeats(self, point: BenchRun, rounds: int) -> list[BenchRun]:
         """The finished measurements of a point, round by round."""
         every = [run for number in range(rounds) if (run := self.measurement(number, point)) is not None]
         return [run for run in every if run.outcome == Outcome.FINISHED]
 
-    def is_worth_repeating(self, point: Point, number: int) -> bool:
+    def is_worth_repeating(self, point: BenchRun, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
         before = self.repeats(point, number)
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
@@ -220,7 +198,7 @@ class Rounds:
         """One run per point of a sweep; an unmeasured sweep is shown by its first point, with the reason."""
         if not sweep.measurements:
             late = Failure.TIMED_OUT.value
-            yield replace(sweep.points[0].run, outcome=late, detail=sweep.ended, ended=sweep.ended)
+            yield replace(sweep.points[0], outcome=late, detail=sweep.ended, ended=sweep.ended)
         for point, first in zip(sweep.points, sweep.measurements, strict=False):
             repeats = self.repeats(point, self.extent.repeats)
             inside = [run.engine_seconds for run in repeats if run.engine_seconds is not None]
@@ -234,10 +212,11 @@ class Rounds:
                 ended=sweep.ended,
             )
 
-    def _point_task(self, number: int, point: Point) -> Task:
+    def _point_task(self, number: int, sweep: PointSweep, point: BenchRun) -> Task:
         """The task that measures a point in a round; only round 0 computes errors."""
-        job = (self.pickled[point.case], point.usage, point.run, self.request.quantities, number == 0)
-        label = f"round {number + 1}: {point.run.mechanism}, {point.run.regime}, {point.run.engine} {point.words}"
+        job = (self.pickled[sweep.case], sweep.usage, point, self.request.quantities, number == 0)
+        steps = "" if point.steps_per_turn is None else f", {point.steps_per_turn:g} steps a turn"
+        label = f"round {number + 1}: {point.mechanism}, {point.regime}, {point.engine} {point.setting}{steps}"
         return Task(_task_key(number, point), job, label)
 
     def _lost_point(self, lost: Lost, _: bytes, __: object, blank: BenchRun, *___: object) -> BenchRun | None:
@@ -249,7 +228,7 @@ class Rounds:
         return self.ends - time.monotonic()
 
 
-def _task_key(number: int, point: Point) -> str:
+def _task_key(number: int, point: BenchRun) -> str:
     """The key of a point's measurement in a round."""
     return f"{number} {point.key}"
 
@@ -272,12 +251,12 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
             for sweep in turn:
                 sweep.add(None)
         while batch := [(sweep, point) for sweep in turn if (point := sweep.next()) is not None]:
-            rounds.run(0, [point for _, point in batch])
+            rounds.run(0, batch)
             for sweep, point in batch:
                 sweep.add(rounds.measurement(0, point))
-        done = [point for sweep in turn for point in sweep.points[: len(sweep.measurements)]]
+        done = [(sweep, point) for sweep in turn for point in sweep.points[: len(sweep.measurements)]]
         for number in range(1, request.extent.repeats):
-            rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+            rounds.run(number, [each for each in done if rounds.is_worth_repeating(each[1], number)])
         longest = max(longest, time.monotonic() - begun)
     return Bench(_document(request), _runs(request, sweeps, rounds))
 
@@ -327,7 +306,7 @@ def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
             absent = why_unavailable(engine(name))
             if absent is not None:
                 run = replace(blank_run(case, name, None), outcome=Outcome.UNAVAILABLE.value, detail=absent)
-                yield PointSweep([Point(number, None, run)], 0.0)
+                yield PointSweep(number, None, [run], measurements=[run])
             else:
                 methods = _methods(request, case, name)
                 yield from planned_sweeps(number, case, name, methods, request)
@@ -342,10 +321,10 @@ def planned_sweeps(
         settings = tuple(setting for setting in settings if setting is not Setting.BEST)
         methods = [*_most_advanced(methods, extrapolated=False), *_most_advanced(methods, extrapolated=True)]
     for setting in settings:
-        yield PointSweep([Point(number, setting, blank_run(case, engine_name, setting))], math.inf)
+        yield PointSweep(number, setting, [blank_run(case, engine_name, setting)])
     for method in methods:
-        runs = (blank_run(case, engine_name, method, steps) for steps in extent.steps_per_turn)
-        yield PointSweep([Point(number, method, run) for run in runs], extent.budget)
+        points = [blank_run(case, engine_name, method, steps) for steps in extent.steps_per_turn]
+        yield PointSweep(number, method, points, extent.budget)
 
 
 def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
@@ -385,9 +364,8 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
 
     def place(sweep: PointSweep) -> tuple[bool, bool, int]:
         """The sort key of a sweep: first of its structure, then single runs, then the order of cases."""
-        point = sweep.points[0]
-        is_extrapolated = isinstance(point.usage, Method) and point.usage.runs > 1
-        return repeated[point.case], is_extrapolated, point.case
+        is_extrapolated = isinstance(sweep.usage, Method) and sweep.usage.runs > 1
+        return repeated[sweep.case], is_extrapolated, sweep.case
 
     return [list(group) for _, group in groupby(sorted(sweeps, key=place), place)]
 
@@ -395,5 +373,5 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
 def _runs(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[BenchRun]:
     """All runs by case and engine in the requested order, then in the order measured."""
     places = {name: place for place, name in enumerate(request.engines)}
-    ordered = sorted(sweeps, key=lambda sweep: (sweep.points[0].case, places[sweep.points[0].run.engine]))
+    ordered = sorted(sweeps, key=lambda sweep: (sweep.case, places[sweep.points[0].engine]))
     return [run for sweep in ordered for run in rounds.runs(sweep)]

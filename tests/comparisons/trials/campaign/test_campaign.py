@@ -156,7 +156,7 @@ def _raise_type_error(*_):
     raise TypeError("of our own making")
 
 
-@pytest.mark.parametrize("function", ["checks", "judged_deviation"])
+@pytest.mark.parametrize("function", ["checks", "deviation"])
 def test_an_exception_of_the_suite_is_not_blamed_on_the_engine(with_engine, monkeypatch, function):
     with_engine(_finished())
     monkeypatch.setattr(campaign, function, _raise_type_error)

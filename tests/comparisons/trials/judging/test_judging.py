@@ -14,6 +14,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
 from comparisons.trials.invariants.checks import INVARIANTS, checks
+from comparisons.trials.judging import quantities
 from comparisons.trials.judging.limits import (
     USER_REASON,
     Limit,
@@ -29,7 +30,6 @@ from comparisons.trials.judging.quantities import (
     NoSampleError,
     all_quantities,
     chosen_quantities,
-    deviation,
 )
 from comparisons.trials.judging.records import Error, Verdict, run_of
 from comparisons.trials.observed_motion import ObservedMotion
@@ -97,6 +97,11 @@ RECORD = Error(
 
 JUDGED = Error("m", "v", "run-up", "c", "e", "tuned", quantity="Mkr", error_max=1e-5)
 LIMIT = shipped_limits().limit("Mkr", "tuned", "run-up").value
+
+
+def deviation(case, quantity, motion):
+    """The error of a quantity of a motion."""
+    return quantities.deviation(case, quantity, motion, JUDGED)[0]
 
 
 def _loose(value: float) -> LimitTable:

@@ -28,7 +28,6 @@ from comparisons.trials.work_precision.study import (
     QUICK,
     BenchRequest,
     Extent,
-    Point,
     PointSweep,
     bench,
     blank_run,
@@ -51,7 +50,7 @@ FOUR = ("Mkr", "Jeq", "phi", "joint_force")
 
 
 def _sweep(budget=math.inf):
-    return PointSweep([Point(0, METHOD, row(steps_per_turn=n)) for n in STEPS], budget)
+    return PointSweep(0, METHOD, [row(steps_per_turn=n) for n in STEPS], budget)
 
 
 def _made(error, seconds=1e-3, also=None, setup=0.0):
@@ -70,7 +69,7 @@ def _run(sweep, results):
         point = sweep.next()
         if point is None:
             return number
-        steps = point.run.steps_per_turn
+        steps = point.steps_per_turn
         sweep.add(dataclasses.replace(measurement, steps_per_turn=steps, errors=errors))
     return len(results) if sweep.next() is None else None
 
@@ -113,7 +112,7 @@ def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_settin
     names = {"simple": 1, "advanced": 1, "simple x2": 2, "advanced x2": 2}
     methods = [dataclasses.replace(METHOD, name=name, runs=runs) for name, runs in names.items()]
     found = list(planned_sweeps(0, CASE, "direct", methods, BenchRequest((CASE,), ("direct",), extent=QUICK)))
-    assert [sweep.points[0].run.setting for sweep in found] == ["naive", "tuned", "advanced", "advanced x2"]
+    assert [sweep.points[0].setting for sweep in found] == ["naive", "tuned", "advanced", "advanced x2"]
     assert all(len(sweep.points) > FEWEST for sweep in found[2:])
 
 
