@@ -18,6 +18,7 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.signals import evaluate
 
 DIGITS = 50
 STEP = mpf(10) ** -12  # of φ: central differences err by its square and lose 24 digits of 50
@@ -303,6 +304,21 @@ def forces_of(exact: Exact, speed: float) -> dict[str, mpf]:
     ):
         before, found = found, dict(_forces(exact, slopes, mpf(speed), _friction(exact, mp.sign(speed), found)))
     return found
+
+
+def errors_at(mechanism: Mechanism, angles: np.ndarray, number: int, speed: float) -> dict[str, float]:
+    """Errors of torque and joint forces by name at one of crank angles, rad, over the peaks among all of these.
+
+    All joint forces have one peak.
+    """
+    truth = forces_of(Exact(mechanism.sweep(angles[number])), speed)
+    found = evaluate(mechanism, angles, list(truth), speed=speed)
+    peaks = {name: np.max(np.abs(values)) for name, values in found.items()}
+    force = max(peak for name, peak in peaks.items() if name != "Mkr")
+    return {
+        name: abs(float(mpf(float(found[name][number])) - value)) / (peaks[name] if name == "Mkr" else force)
+        for name, value in truth.items()
+    }
 
 
 def _friction(exact: Exact, sense: int, forces: Mapping[str, mpf]) -> Iterator[Push]:

@@ -1,7 +1,6 @@
 """Loads over the stroke, in one direction, fixed in a link, between two bodies and over two turns of the crank."""
 
 import math
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -26,44 +25,11 @@ from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
 from engines.registry import engine
 from engines.scene import Channel
-from tests.analytic.absolute_coordinates import largest_error
-from tests.analytic.drawn_linkages import draw
+from tests.analytic.fifty_digits import errors_at
 from tests.analytic.linkages import four_bar, from_text, text_of
 
 PHI = np.linspace(0.1, 0.1 + 4.0 * np.pi, 101)  # of two turns
-SPEED, CLOSE = 7.0, 1e-12
-OUTPUT = {"four-bar": "B", "slider-crank": "D", "quick return": "E", "six-bar": "D"}
-LINK = {"four-bar": "rocker", "slider-crank": "rod", "quick return": "rocker", "six-bar": "rod"}
-
-
-def laden(number):
-    """A random linkage under one load of every form, as a file."""
-    drawn, random = draw(number), np.random.default_rng(number)
-    point, link, size = OUTPUT[drawn.kind], LINK[drawn.kind], tomllib.loads(drawn.text)["links"]["crank"]["points"]["A"]
-    force = 40.0 * Mechanism(parse(drawn.text, "x", "x")).linkage.links["crank"].mass
-    row = lambda count, of=force: str((of * random.uniform(-1.0, 1.0, count)).tolist())  # noqa: E731
-    torque = row(4, force * size[0])
-    return (
-        f"output = {{ point = '{point}', along = [0.8, 0.6] }}\n{drawn.text}"
-        f"[[forces]]\npoint = '{point}'\nlink = '{link}'\nover = 'S'\ntravel = {[k * size[0] for k in (0.1, 0.6, 1.3)]}"
-        f"\nforce = [{row(2)}, {row(2)}, {row(2)}]\ninterpolation = 'linear'\nwhen = 'advance'\n"
-        f"[[forces]]\npoint = 'A'\nlink = 'crank'\nframe = '{link}'\nforce = {row(2)}\nwhen = 'return'\n"
-        f"[[forces]]\npoint = '{point}'\nbetween = ['{link}', 'crank']\nframe = 'crank'\nforce = {row(2)}\n"
-        f"[[torques]]\nbetween = ['{link}', 'crank']\nangle = [0, 3, 7, 11]\nperiod = {4.0 * np.pi}\n"
-        f"torque = {torque}\ninterpolation = 'linear'\n"
-    )
-
-
-@pytest.mark.parametrize("number", [1, 3])
-def test_they_are_those_of_a_solution_in_absolute_coordinates(number):
-    assert largest_error(laden(number), PHI, SPEED) < CLOSE
-    assert largest_error(laden(number), PHI, -SPEED) < CLOSE
-
-
-@pytest.mark.nightly
-def test_so_are_those_of_a_hundred_linkages():
-    assert max(largest_error(laden(number), PHI, SPEED) for number in range(100)) < CLOSE
-
+SPEED = 7.0
 
 PRESS, _, _LOADS = text_of("laden-press").partition("[[")
 EVERY_LOAD = f"[[{_LOADS}"
@@ -71,6 +37,13 @@ EVERY_LOAD = f"[[{_LOADS}"
 
 def mechanism(loads):
     return Mechanism(parse(PRESS + loads, "press", "press.toml"))
+
+
+@pytest.mark.parametrize("when", ["advance", "return"])
+def test_torque_and_forces_are_those_of_fifty_digits(when):
+    for speed, number in ((SPEED, 12), (-SPEED, 70)):
+        sample = mechanism(EVERY_LOAD.replace('"advance"', f'"{when}"'))
+        assert max(errors_at(sample, PHI, number, speed).values()) < 1e-13
 
 
 def test_a_load_over_the_stroke_is_that_over_the_crank_angle_which_describes_the_same():

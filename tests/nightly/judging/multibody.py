@@ -14,7 +14,7 @@ import numpy as np
 
 SI = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "kg": 1.0, "g": 1e-3, "lb": 0.45359237, "rad": 1.0,
       "deg": np.pi / 180.0, "kg*m^2": 1.0, "kg*mm^2": 1e-6, "g*mm^2": 1e-9, "g*m^2": 1e-3}  # fmt: skip
-GROUND, STEPS, STARTS, ROUNDS = "ground", 240, 200, 200  # of a turn, of the assembly, of friction
+GROUND, STEPS, STARTS = "ground", 240, 200  # of a turn, of the assembly
 Array = np.ndarray
 Motion = Callable[[Array], tuple[Array, Array, Array]]  # times (n,), s: angle, speed, acceleration of the crank
 
@@ -215,12 +215,8 @@ class Multibody:
         right = -np.einsum("nij,nj->ni", bent, v)
         right[:, -1] += acceleration
         a = np.linalg.solve(slopes, right[..., None])[..., 0]
-        loads = self._loads(q, v, a, phi)
-        transposed = np.swapaxes(slopes, 1, 2)
-        multipliers = np.linalg.solve(transposed, -loads[..., None])[..., 0]
-        for _ in range(ROUNDS if self.file.get("friction") else 0):
-            rubbed = loads + self._friction(q, v, multipliers)
-            multipliers = np.linalg.solve(transposed, -rubbed[..., None])[..., 0]
+        loads = self._loads(q, v, a)
+        multipliers = np.linalg.solve(np.swapaxes(slopes, 1, 2), -loads[..., None])[..., 0]
         found = {"phi": phi, "omega": speed, "Mkr": multipliers[:, -1]}
         for name, row in self.rows.items():
             found |= {f"link:{name}:angle": q[:, row + 2], f"link:{name}:omega": v[:, row + 2]}
@@ -268,58 +264,7 @@ class Multibody:
         place, speed, acceleration = (x @ along for x in self._moving(q, v, a, body, local))
         return {"S": high - place, "v": -speed, "a": -acceleration}
 
-    def _friction(self, q: Array, v: Array, multipliers: Array) -> Array:
-        """What the friction of the joints is along the coordinates, (n, m), for forces in them."""
-        total, row = np.zeros_like(q), 0
-        still = np.zeros((len(q), 3))
-        for name, kind, body, host, data in self.joints:
-            key = name.partition(":")[0] if kind == "pin" else body if kind == "slide" else name
-            rubs, count = self.file["friction"].get(key), {"pin": 2, "slide": 2, "slot": 1}[kind]
-            force, row = multipliers[:, row : row + count], row + count
-            if rubs is None:
-                continue
-            rates = [still if b == GROUND else v[:, self.rows[b] : self.rows[b] + 3] for b in (body, host)]
-            if kind == "pin":
-                moment = rubs["coefficient"] * self.length * rubs["radius"] * np.hypot(*force.T)
-                moment *= np.sign(rates[0][:, 2] - rates[1][:, 2])
-                pushes = [(body, -moment, 0.0 * self.at(q, body, data[0])[0]), (host, moment, np.zeros((len(q), 2)))]
-            else:
-                place = self.at(q, body, data[0])[0]
-                along = self._direction(q, host, data[2])[0]
-                arms = [place - (0.0 if b == GROUND else q[:, self.rows[b] : self.rows[b] + 2]) for b in (body, host)]
-                first, second = (
-                    rate[:, :2] + rate[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-                    for rate, arm in zip(rates, arms, strict=True)
-                )
-                size = rubs["coefficient"] * np.abs(force[:, 0])
-                push = (size * np.sign(np.sum(along * (first - second), axis=1)))[:, None] * along
-                pushes = [
-                    (b, side * (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]), side * push)
-                    for b, arm, side in zip((body, host), arms, (-1.0, 1.0), strict=True)
-                ]
-            for each, moment, push in pushes:
-                if each != GROUND:
-                    total[:, self.rows[each] : self.rows[each] + 2] += push
-                    total[:, self.rows[each] + 2] += moment
-        return total
-
-    def _values(self, load: Mapping[str, Any], what: str, q: Array, v: Array, phi: Array) -> list[Array]:
-        """Components of a load (n,): a constant, or straight lines over the crank angle or the output's travel."""
-        rows = np.array(load[what], dtype=float)
-        travel = self._output(self.file["output"], q, v, v) if load.get("over") or load.get("when") else {}
-        acts = 1.0
-        if load.get("when"):
-            acts = (travel["v"] >= 0.0) == (load["when"] == "advance")
-        if "angle" not in load and "travel" not in load:
-            return [acts * np.full(len(q), part) for part in np.atleast_1d(rows)]
-        if load.get("over") == "S":
-            x, places, period = travel["S"], self.length * np.array(load["travel"]), None
-        else:
-            x, places, period = phi, self.angle * np.array(load["angle"]), self.angle * load["period"]
-        columns = rows.reshape(len(places), -1).T
-        return [acts * np.interp(x, places, column, period=period) for column in columns]
-
-    def _loads(self, q: Array, v: Array, a: Array, phi: Array) -> Array:
+    def _loads(self, q: Array, v: Array, a: Array) -> Array:
         """Inertia forces and loads along the coordinates, (n, m)."""
         total = np.zeros_like(q)
         gravity = np.array(self.file.get("gravity", (0.0, 0.0)), dtype=float)
@@ -331,23 +276,10 @@ class Multibody:
             push(name, centre, mass * (gravity - self._moving(q, v, a, name, centre)[2]))
             total[:, self.rows[name] + 2] -= inertia * a[:, self.rows[name] + 2]
         for load in self.file.get("forces", ()):
-            ends = load.get("between", ())
-            body = load.get("link") or next(b for b in (*ends[:1], *self.names) if load["point"] in self.points[b])
-            local, frame = self.points[body][load["point"]], load.get("frame", GROUND)
-            x, y = self._values(load, "force", q, v, phi)
-            turn = np.zeros(len(q)) if frame == GROUND else q[:, self.rows[frame] + 2]
-            force = np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1)
-            push(body, local, force)
-            if ends and ends[1] != GROUND:
-                row, place = self.rows[ends[1]], self.at(q, body, local)[0]
-                arm = place - q[:, row : row + 2]
-                total[:, row : row + 2] -= force
-                total[:, row + 2] -= arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+            body = load.get("link") or next(b for b in self.names if load["point"] in self.points[b])
+            push(body, self.points[body][load["point"]], np.broadcast_to(np.array(load["force"], float), (len(q), 2)))
         for load in self.file.get("torques", ()):
-            ends = load.get("between", (load.get("link"), GROUND))
-            for body, side in zip(ends, (1.0, -1.0), strict=True):
-                if body != GROUND:
-                    total[:, self.rows[body] + 2] += side * self._values(load, "torque", q, v, phi)[0]
+            total[:, self.rows[load["link"]] + 2] += load["torque"]
         for spring in self.file.get("springs", ()):
             first, second = spring["between"]
             ends = [
