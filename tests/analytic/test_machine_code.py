@@ -2,7 +2,6 @@
 
 import gc
 import math
-from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -10,27 +9,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic import machine_code
-from analytic.description.changes import design_numbers, with_numbers
-from analytic.description.loading import catalogue, literature
 from analytic.designs.sampled_signals import evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import (
     FUNCTION,
     LANES,
-    ZERO_OF_S,
     Result,
     StraightFunction,
-    is_traceable,
     is_worthwhile,
     linkage_trace,
     plain_program,
     python_source,
 )
 from analytic.operations import FUNCTIONS, OperationList
-from analytic.signals import THREAD_FEED, evaluate, names, unit
+from analytic.signals import names
 from reports.document.templates import FOLDER
-from tests.analytic.linkages import MADE_UP, from_text, mechanism, text_of
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.javascript import called
 
 NUMBERS = st.floats(-1e3, 1e3)
@@ -120,9 +115,6 @@ def test_it_is_compiled_where_that_saves_time(monkeypatch):
         is_worthwhile("compiled", 1, 1.0)
 
 
-SAME_SIGNALS = 1e-13  # of the peak
-CHANGES, SHARE, SPEED, ACCELERATION = 6, 0.02, 30.0, 400.0
-ANGLES = np.linspace(-2.0, 9.0, 40)
 SCRIPT = (FOLDER / "scripts" / "live_program.js").read_text(encoding="utf-8")
 CALL = """({program, designs, rows, count, results}) => {
   const linkproof = {};
@@ -166,51 +158,6 @@ def test_a_list_that_reads_what_is_not_there_is_refused():
     for wrong in ({"names": ["constructor"]}, {"results": [10**6]}, {"operations": [[0, 99, 1]]}, {"results": [0.5]}):
         assert called(call, {"program": program | wrong, "designs": []}) == "this is no list of operations"
     assert called(call, {"program": program, "designs": []}) == []
-
-
-ORDINARY = ("moving-guides",)
-OTHERS = [pytest.param(name, marks=pytest.mark.nightly) for name in (*catalogue(), *literature(), *MADE_UP)]
-
-
-@pytest.mark.parametrize("name", [*ORDINARY, *OTHERS])
-def test_signals_of_other_designs_are_numpy_s(name):
-    sample = mechanism(name)
-    if not is_traceable(sample) or sample.linkage.is_linear:
-        return
-    linkage, chance = sample.linkage, np.random.default_rng(7)
-    chosen = [name for name in names(sample) if name != THREAD_FEED]  # whose zero is each design's own
-    free = {number: value for number, (kind, value) in design_numbers(linkage).items() if kind != "direction"}
-    listed = linkage_trace(sample, free, chosen, accelerates=True)
-    if ZERO_OF_S in listed.trace.inputs:
-        pytest.skip("the page finds the zero of S of each design; tests of pages hold it")
-    given = {number: listed.trace.inputs[number] for number in free if number in listed.trace.inputs}
-    rows = [line for one, line in listed.trace.inputs.items() if one not in given]
-    program = plain_program(listed.trace, [*given.values()], rows, listed.signals)
-    reach = sample.crank_range()
-    places = ANGLES if reach.is_full_turn else np.linspace(*np.array(reach.limits) @ [[0.8, 0.2], [0.2, 0.8]], 40)
-    values = listed.values({}, places, SPEED, ACCELERATION)
-    given_rows = np.array([np.broadcast_to(values[line], places.shape) for line in rows])
-    designs, truths = [], []
-    for _ in range(CHANGES):
-        other = {number: float(value * chance.uniform(1.0 - SHARE, 1.0 + SHARE)) for number, value in free.items()}
-        motion = {"speed": SPEED, "acceleration": ACCELERATION}
-        with suppress(LinkproofError):  # a design that cannot turn as the file's does
-            truths.append(evaluate(sample.redesigned(with_numbers(linkage, other)), places, chosen, **motion))
-            designs.append([other[one] for one in given])
-    assert designs
-    for truth, result in zip(truths, by_javascript(program, designs, given_rows, len(chosen)), strict=True):
-        scales: dict[tuple[str, str], float] = {}
-        for signal in chosen:
-            kind = (signal.partition(":")[0], unit(signal, linkage))
-            scales[kind] = max(scales.get(kind, 1e-9), float(np.max(np.abs(truth[signal]))))
-        for signal, one in zip(chosen, result, strict=True):
-            expected, near = truth[signal], one
-            if signal == "S":  # counts from the farthest place, which the list leaves to who knows the motion
-                near = one + (expected[0] - one[0])
-            elif signal.startswith("link:") and signal.endswith(":angle"):
-                near = one + 2.0 * np.pi * np.round((expected - one) / (2.0 * np.pi))
-            peak = scales[signal.partition(":")[0], unit(signal, linkage)]
-            assert np.max(np.abs(near - expected)) <= SAME_SIGNALS * peak, signal
 
 
 @pytest.mark.parametrize("name", ["maximum", "minimum"])
