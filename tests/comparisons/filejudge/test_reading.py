@@ -289,7 +289,7 @@ BAD_FILES = {
     "0\n1\n": "a column of time or crank angle and others beside it, got none",
     "t [s];M [Nm]\n0;1\n1;2\n# a comment\n2;3\n": "run.csv:4: expected a header for each of the 2 columns",
     "t [s];M [Nm];S [mm]\n0;1;2\n1;;3\n": "run.csv:3: expected a finite number in column 2, got an empty cell",
-    "t [s],M [Nm]\n0,1\n" * 5001: "run.csv:10001: expected at most 5000 lines of text",
+    ("a note\n" * 50 + "t [s],M [Nm]\n0,1\n") * 99: "run.csv:5099: expected at most 5000 lines of text",
     "t [s]" + ",M [Nm]" * 20_000 + "\n0" + ",1" * 20_000: "run.csv:2: expected at most 10000 columns and",
     "t [s],M [Nm],M [Nm]\n0,1,2\n1,2,3\n": "got 'M [Nm]' (run.csv:1 (column 2)) and 'M [Nm] #2'",
     "": "run.csv: expected rows of numbers",

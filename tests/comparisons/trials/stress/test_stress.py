@@ -383,9 +383,7 @@ def scaled(name, factor):
 
 
 # A signal times a factor: the setting whose limits hold, the verdict, and how its reason begins.
-FLAGGED = (
-    r"drive torque off by 0\.5 of the peak.*Flagged: .*the torque is 0\.33 of its peak away from what"
-)
+FLAGGED = r"drive torque off by 0\.5 of the peak.*Flagged: .*the torque is 0\.33 of its peak away from what"
 SCALED = [
     ("torque", 1.5, "tuned", StressVerdict.CAUGHT, FLAGGED),
     ("torque", 1.001, "tuned", StressVerdict.OVER, r"(Mkr|Peq) off by 0\.001 of its peak"),
