@@ -1,4 +1,4 @@
-"""A judgement of another tool's results: printed, as JSON, as curves to draw."""
+"""A judgement of another tool's results: printed, as JSON, as a picture."""
 
 from __future__ import annotations
 
@@ -13,14 +13,11 @@ from analytic.description.law import FULL_TURN
 from analytic.description.written import fixed
 from comparisons.filejudge.fault_ranking import FaultFinding
 from comparisons.filejudge.judge import NEAR_ZERO, ImportedJudgement, SignalVerdict
-from comparisons.motion.thinning import extreme_samples
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.records import IMPORTED, Error, RunRecord, Verdict
 from reports.document.numbers import figure, within_turn
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
-from reports.mechanism.engines import MOST, JudgedCurve
-from reports.mechanism.engines import judged_figure as figure_of_curves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -267,36 +264,45 @@ def _cause_as_dict(kind: str, words: str) -> dict[str, str]:
     return {"kind": kind, "words": words}
 
 
-# A judgement as curves to draw: those over the limit, the worst first, or all where none is.
+# A judgement as a picture.
 
-STRETCHES: Final = 300  # of a curve, of which the extremes are drawn
-MOST_ON_PAGE: Final = 6
-
-
-def judged_curves(judgement: ImportedJudgement, most: int = MOST_ON_PAGE) -> list[JudgedCurve]:
-    """At most ``most`` curves of signals over the limit, the worst first; of all signals if none is over it."""
-    over = [verdict for verdict in judgement.verdicts if verdict.outcome is not Verdict.PASSED] or judgement.verdicts
-    return [_curve(judgement, verdict) for verdict in sorted(over, key=lambda verdict: -verdict.error_max)[:most]]
-
-
-def _curve(judgement: ImportedJudgement, verdict: SignalVerdict) -> JudgedCurve:
-    """One signal's curves in the file's unit, thinned to their extremes and the worst sample."""
-    unit, value = verdict.unit, verdict.unit_value
-    cause, without = judgement.without_cause(verdict)
-    curves = {"file": verdict.values, "truth": verdict.truth, "without": without}
-    differences = [curve - verdict.truth for curve in curves.values() if curve is not None]
-    shown = (verdict.truth, *(np.nan_to_num(difference) for difference in differences))
-    few = np.unique(np.concatenate([*(extreme_samples(values, STRETCHES) for values in shown), [verdict.worst]]))
-    drawn: dict[str, Any] = {
-        key: None if y is None else [None if np.isnan(v) else v for v in (y[few] / value).tolist()]
-        for key, y in curves.items()
-    }
-    time, error = verdict.time[few].tolist(), f"{share(verdict.error_max)} of the peak at most"
-    return JudgedCurve(verdict.name, unit, time, worst=verdict.worst_time, error=error, cause=cause, **drawn)
+MOST: Final = 3  # curves of one picture
+HEIGHT: Final = 4.4  # inches: of the two panels of a curve
 
 
 def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
-    """The worst curves; ``title`` names linkage and files."""
-    curves = judged_curves(judgement, MOST)
-    causes = dict.fromkeys(f"Likely cause: {curve.cause}." for curve in curves if curve.cause)
-    return figure_of_curves(curves, (title, sentence(judgement), *causes))
+    """A figure of the worst curves side by side, each above its difference from the closed form, worst places marked.
+
+    They are curves of signals over the limit, or of all if none is over it. Those without the likeliest cause are
+    dashed. ``title`` names linkage and files.
+    """
+    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
+
+    over = [verdict for verdict in judgement.verdicts if verdict.outcome is not Verdict.PASSED] or judgement.verdicts
+    shown = sorted(over, key=lambda verdict: -verdict.error_max)[:MOST]
+    without = [judgement.without_cause(verdict) for verdict in shown]
+    causes = dict.fromkeys(f"Likely cause: {cause}." for cause, _ in without if cause)
+    lines = (title, sentence(judgement), *causes)
+
+    def place(figure: Figure) -> None:
+        """Draw each curve beside the closed form, and below it the difference."""
+        host = draw.head(figure, lines)
+        grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
+        for verdict, (_, corrected), above, below in zip(shown, without, *grid, strict=True):
+            time, truth, value = verdict.time, verdict.truth, verdict.unit_value
+            above.plot(time, truth / value, color=draw.REFERENCE, linewidth=3.4, label="closed form")
+            found = [("file", verdict.values, draw.PALETTE[0], "-")]
+            if corrected is not None:
+                found.append(("without the cause", corrected, draw.PALETTE[2], "--"))
+            for name, y, colour, line in found:
+                above.plot(time, y / value, line, color=colour, linewidth=1.2, label=name)
+                below.plot(time, (y - truth) / value, line, color=colour, linewidth=1.2)
+            for axes in (above, below):
+                axes.axvline(verdict.worst_time, color=draw.LIMIT, linestyle="--", linewidth=0.9)
+            heading = f"{verdict.name}, worst at {verdict.worst_time:.5g} s"
+            above.set_title(draw.wrap(heading, draw.FULL_WIDTH / len(shown) - 1.0))
+            draw.finish(above, "", verdict.unit)
+            draw.finish(below, "time, s", f"difference, {verdict.unit}")
+        host.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
+
+    return draw.drawn(draw.FULL_WIDTH, HEIGHT + draw.LINE * len(draw.head_lines(lines, draw.FULL_WIDTH)), place)

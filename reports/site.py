@@ -58,8 +58,13 @@ class Contents:
 
     @cached_property
     def campaign(self) -> CampaignResults | None:
-        """The campaign in the folder; None without one."""
+        """The comparison or judgement in the folder; None without one."""
         return campaign.load(self.path) if campaign.is_saved(self.path) else None
+
+    @property
+    def comparison(self) -> CampaignResults | None:
+        """The comparison of engines in the folder; None without one."""
+        return self.campaign if has_study(self.path, campaign.COMPARE) else None
 
     @cached_property
     def bench(self) -> Bench | None:
@@ -74,8 +79,7 @@ class Contents:
     @property
     def is_single(self) -> bool:
         """Whether the folder holds one designer's result or judgement, whose page is then the first."""
-        judged = self.campaign is None or "judgement" in self.campaign.document
-        return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
+        return len(self.sheets) == 1 and self.comparison is None and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
         """The file name of a mechanism's page; that of the first page if it is the only one."""
@@ -105,7 +109,7 @@ class Contents:
         """The page with this file name, built from the folder's data."""
         if file == INDEX and not self.is_single:
             cost = bench_page.cost(self.bench) if self.bench is not None else ()
-            return index(self.campaign, self.sheets, tuple(self._studies()), cost)
+            return index(self.comparison, self.sheets, tuple(self._studies()), cost)
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
         if file == STRESS.href and self.stress is not None:
@@ -138,7 +142,7 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
     files = [link.href for link in (*links[1:], links[0])]  # slow pages first
-    jobs = [(file,) for file in (*files, *([SUMMARY] if campaign.is_saved(folder) else []))]
+    jobs = [(file,) for file in (*files, *([SUMMARY] if contents.comparison else []))]
     write = partial(_write, contents, links)
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):
@@ -167,8 +171,8 @@ def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[st
     """Write one page; returns the names of its files. Garbage collection is off, which saves an eighth."""
     gc.disable()
     try:
-        if file == SUMMARY and contents.campaign is not None:
-            write_file(contents.path / SUMMARY, markdown(contents.campaign))
+        if file == SUMMARY and contents.comparison is not None:
+            write_file(contents.path / SUMMARY, markdown(contents.comparison))
             return (SUMMARY,)
         return tuple(html.write(contents.page(file), contents.path, links))
     finally:

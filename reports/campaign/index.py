@@ -5,11 +5,9 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Final
 from urllib.parse import urlencode
-
-from markupsafe import Markup
 
 from analytic.description.linkage import ReleasedRegime
 from comparisons.designer.sheet import Sheet
@@ -17,18 +15,18 @@ from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.limits import deciding, grouped
 from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict
 from engines.contract import Setting
-from reports.charts.moving import moving_scheme
+from reports.charts.scheme import card_figure
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
     Card,
     Cards,
     Command,
-    Drawn,
     Facts,
     Fold,
     Mono,
     Page,
+    PageFigure,
     PageLink,
     Paragraph,
     Part,
@@ -39,11 +37,11 @@ from reports.document.parts import (
     Words,
 )
 from reports.document.templates import lines, sentence
-from reports.mechanism.engines import errors_section
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
 from reports.records import (
     LOOKS,
+    anchor,
     appeared_note,
     changes_table,
     computed_or_shared,
@@ -57,7 +55,6 @@ from reports.records import (
     origin_words,
     readout_table,
     share,
-    views,
 )
 
 # Which engine to trust for which quantity: a campaign's records by engine, setting and family of quantities.
@@ -84,7 +81,7 @@ DECISIVE: Final = (Setting.TUNED.value, Setting.BEST.value, Setting.NAIVE.value)
 class EngineRecords:
     """The records of one engine at one setting in one family of quantities, judged or not."""
 
-    records: tuple[Error, ...]
+    records: tuple[Error, ...] = ()
 
     @cached_property
     def judged(self) -> tuple[Error, ...]:
@@ -106,6 +103,17 @@ class EngineRecords:
         """Whether any of the judged records failed."""
         return any(Verdict(record.outcome).failed for record in self.judged)
 
+    @property
+    def reason(self) -> str:
+        """The first reason that a record gives; "" without any."""
+        return next((record.detail for record in self.records if record.detail), "")
+
+    def style(self, *, is_idle: bool) -> str:
+        """The style class of a cell: by the verdict, or muted for an error at a setting that decides nothing."""
+        if self.error is None:
+            return "failed" if self.failed else "absent"
+        return "muted" if is_idle else "over" if self.failed else "pass"
+
 
 @dataclass(frozen=True)
 class EngineRanking:
@@ -114,22 +122,26 @@ class EngineRanking:
     results: CampaignResults
 
     @cached_property
-    def cells(self) -> Mapping[tuple[str, str, str], EngineRecords]:
-        """Records and invariants by key (engine, setting, family of quantities)."""
+    def cells(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
+        """Records and invariants by engine and setting, and of each by family of quantities."""
         every = (*self.results.records, *self.results.invariants)
-        groups = grouped(((record.engine, record.setting, self._family_of_record(record)), record) for record in every)
-        return {key: EngineRecords(tuple(records)) for key, records in groups.items()}
+        runs = grouped(((record.engine, record.setting), record) for record in every)
+        families = {run: grouped((self._family_of_record(record), record) for record in of) for run, of in runs.items()}
+        return {
+            run: {name: EngineRecords(tuple(records)) for name, records in groups.items()}
+            for run, groups in families.items()
+        }
 
     @cached_property
     def families(self) -> tuple[str, ...]:
         """The families in which any engine was judged, in the order of the table."""
-        some = {name for (_, _, name), cell in self.cells.items() if cell.judged}
+        some = {name for cells in self.cells.values() for name, cell in cells.items() if cell.judged}
         return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
         """The settings that ran, the decisive one first."""
-        ran = {setting for _, setting, _ in self.cells}
+        ran = {setting for _, setting in self.cells}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
     def is_idle(self, setting: str) -> bool:
@@ -144,11 +156,7 @@ class EngineRanking:
     @cached_property
     def engines(self) -> tuple[str, ...]:
         """Names of the engines, sorted, those of controls last."""
-        return tuple(sorted({engine for engine, _, _ in self.cells}, key=lambda name: (name in self.controls, name)))
-
-    def records(self, engine: str, setting: str) -> tuple[Error, ...]:
-        """All records of an engine at a setting."""
-        return tuple(r for key, cell in self.cells.items() if key[:2] == (engine, setting) for r in cell.records)
+        return tuple(sorted({engine for engine, _ in self.cells}, key=lambda name: (name in self.controls, name)))
 
     def runs(self, engine: str, setting: str) -> list[RunRecord]:
         """All runs of an engine at a setting."""
@@ -156,12 +164,12 @@ class EngineRanking:
 
     def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
         """The records of an engine at a setting in a family of quantities; empty without any."""
-        return self.cells.get((engine, setting, family_name), EngineRecords(()))
+        return self.cells.get((engine, setting), {}).get(family_name, EngineRecords())
 
-    def row(self, engine: str, setting: str) -> list[EngineRecords]:
+    def row(self, engine: str, setting: str) -> dict[str, EngineRecords]:
         """The records of each family in which an engine was judged at a setting."""
-        cells = (self.cell(engine, setting, name) for name in self.families)
-        return [cell for cell in cells if cell.judged]
+        cells = {name: self.cell(engine, setting, name) for name in self.families}
+        return {name: cell for name, cell in cells.items() if cell.judged}
 
     def most_accurate(self, setting: str, family_name: str) -> str:
         """The engine with the least maximum error in a family, of those that never failed; empty without rivals."""
@@ -225,18 +233,19 @@ def verdict(trust: EngineRanking) -> tuple[str, ...]:
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
     """Sentences on the engines to trust in all families, in some, and in none."""
-    judged = {name: [f for f in trust.families if trust.cell(name, setting, f).judged] for name in engines}
-    wrong = {name: [f for f in judged[name] if trust.cell(name, setting, f).failed] for name in engines}
+    judged = {name: trust.row(name, setting) for name in engines}
+    wrong = {name: [f for f, cell in cells.items() if cell.failed] for name, cells in judged.items()}
+    lacking = {name: [f for f in trust.families if f not in judged[name]] for name in engines}
     right = [name for name in engines if judged[name] and not wrong[name]]
     return sentence(
         "verdict_trust",
         setting=setting,
-        whole=Names(name for name in right if len(judged[name]) == len(trust.families)),
-        part=_engines_by_families({name: [f for f in trust.families if f not in judged[name]] for name in right}),
+        whole=Names(name for name in right if not lacking[name]),
+        part=_engines_by_families({name: lacking[name] for name in right}),
         wrong=_engines_by_families(wrong),
         silent=Names(name for name in engines if not judged[name]),
         red=_has_failed(trust.results),
-        count=sum(len(cell.judged) for name in right for cell in trust.row(name, setting)),
+        count=sum(len(cell.judged) for name in right for cell in judged[name].values()),
     )
 
 
@@ -249,7 +258,7 @@ def _has_failed(results: CampaignResults) -> bool:
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
     """A sentence on which engines are within limits at their naive settings, which decide nothing."""
-    ran = {name: trust.row(name, Setting.NAIVE.value) for name in engines}
+    ran = {name: trust.row(name, Setting.NAIVE.value).values() for name in engines}
     over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
     within = Names(name for name, cells in ran.items() if cells and name not in over)
     rows = [(name, _share_of_peak(error)) for name, error in sorted(over.items(), key=lambda item: item[1])]
@@ -284,37 +293,22 @@ def listed(words: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-# A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit.
+# A card of a mechanism: its scheme and the figures it is chosen by.
 
 
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
 
-def card(sheet: Sheet, trust: EngineRanking | None) -> Card:
-    """The card of a mechanism with a link to its page; without a campaign it says nothing on engines."""
+def card(sheet: Sheet) -> Card:
+    """The card of a mechanism with a link to its page."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
-    engine = _worst_engine(sheet, trust) if trust is not None else ""
-    figures = [(what, value) for what, value, _ in key_figures(sheet) if what in FIGURES]
-    facts = Facts((*figures, *((("worst error", engine),) if engine else ())))
+    facts = Facts(tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES))
     if sheet.positions is None:
         return Card(PageLink(words, file_of(sheet)), (facts,))
-    key = f"card {sheet.name} {sheet.variant}"
-    markup = moving_scheme(linkage, sheet.positions, key, is_small=True)
-    return Card(PageLink(words, file_of(sheet)), (Drawn(markup, f"Moving scheme of {linkage.title}."), facts))
-
-
-def _worst_engine(sheet: Sheet, trust: EngineRanking) -> str:
-    """The engine of a mechanism with the worst error at the deciding setting, in words."""
-    setting = trust.settings[0]
-    records = [
-        record
-        for engine in trust.engines
-        for record in trust.records(engine, setting)
-        if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
-    ]
-    worst = max(records, key=share, default=None)
-    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {family_title(worst.quantity)}"
+    drawing = partial(card_figure, linkage, sheet.positions)
+    picture = PageFigure(anchor(sheet.name, sheet.variant), "", f"Scheme of {linkage.title}", drawing)
+    return Card(PageLink(words, file_of(sheet)), (picture, facts))
 
 
 FIRST_SHOWN: Final = "Mkr/Peq"  # of the picture
@@ -325,10 +319,14 @@ LAYOUT: Final[Mapping[str, Any]] = {
     "hovermode": "closest",
     "margin": {"l": 70, "r": 20, "t": 8, "b": 48},
     "xaxis": {"type": "log", "title": {"text": "time of a run, s"}, "exponentformat": "power", "dtick": 1},
-    "yaxis": {"type": "log", "title": {"text": "largest error / peak"}, "exponentformat": "power", "dtick": 2},
+    "yaxis": {
+        "type": "log",
+        "title": {"text": "largest error / peak", "standoff": 12},
+        "exponentformat": "power",
+        "dtick": 2,
+    },
 }
 FILE, TITLE = "index.html", "Overview"
-PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 
 
 def index(
@@ -339,53 +337,39 @@ def index(
 ) -> Page:
     """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``."""
     trust = EngineRanking(results) if results is not None and results.records else None
+    cards = Cards(tuple(map(card, sheets)))
     return Page(
         file=FILE,
         title=TITLE,
-        heading=_page_heading(results),
+        heading="Planar linkages in closed form" if results is None else "Which engine to trust for which quantity?",
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=(*_verdict(results, trust, cost), *((Bullets(studies),) if studies else ())),
-        charts=trust is not None and "judgement" not in trust.results.document,
+        parts=(*_verdict(trust, cost), *((Bullets(studies),) if studies else ())),
+        charts=trust is not None,
         sections=(
-            *(_engines_section(results, trust) if results is not None and trust is not None else ()),
-            *(_mechanisms_section(trust, sheets) if sheets else ()),
-            *(_run_section(results, sheets) if results is not None else ()),
+            *((_engines_section(trust),) if trust is not None else ()),
+            *((Section("mechanisms", "The mechanisms", (cards,)),) if sheets else ()),
+            *((_run_section(results, sheets),) if results is not None else ()),
         ),
     )
 
 
-def _page_heading(results: CampaignResults | None) -> str:
-    """The heading of the first page: of closed-form results, a judgement, or a campaign."""
-    if results is None:
-        return "Planar linkages in closed form"
-    words = results.document.get("judgement")
-    return "Is this simulation right?" if words else "Which engine to trust for which quantity?"
-
-
-def _verdict(
-    results: CampaignResults | None, trust: EngineRanking | None, cost: tuple[Paragraph, ...]
-) -> Iterator[Part]:
-    """The parts on the verdict: of the engines, with its picture, or of another tool's results."""
-    judgement = results.document.get("judgement") if results is not None else None
-    first, *others = judgement or (verdict(trust) if trust else ()) or ("",)
+def _verdict(trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterator[Part]:
+    """The parts on the verdict on the engines, with its picture."""
+    first, *others = (verdict(trust) if trust else ()) or ("",)
     if first:
         yield Paragraph(first, "verdict")
-    if trust is not None and not judgement:
+    if trust is not None:
         yield picture(trust)
     yield from (Paragraph(line, "lead") for line in others)
     yield from cost
 
 
-def _engines_section(results: CampaignResults, trust: EngineRanking) -> tuple[Section, ...]:
-    """The section of the engines' results, or of all signals of another tool's results."""
-    if "judgement" in results.document:
-        signals = [
-            part for view in views(results) for regime in view.regimes for part in errors_section(view, regime).parts
-        ]
-        return (Section("signals", "The signals", tuple(signals)),)
-    parts: list[Part] = [settings_table(trust), families_table(trust)]
-    parts += map(Paragraph, appeared_note(results.changes))
-    return (Section("engines", "The engines", (*parts, *changes_table(results.changes))),)
+def _engines_section(trust: EngineRanking) -> Section:
+    """The section of the engines' results."""
+    appeared, changes = appeared_note(trust.results.changes), changes_table(trust.results.changes)
+    return Section(
+        "engines", "The engines", (settings_table(trust), families_table(trust), *map(Paragraph, appeared), *changes)
+    )
 
 
 def picture(trust: EngineRanking) -> Widget:
@@ -458,53 +442,30 @@ def settings_table(trust: EngineRanking) -> Table:
 
 def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, ...]:
     """Three cells: how many deviations from the closed form are within limits, the worst one, and the time of a run."""
-    records = trust.records(engine, setting)
-    own = EngineRecords(tuple(record for record in records if record.quantity not in trust.checks))
+    cells = trust.cells.get((engine, setting), {})
+    own = EngineRecords(tuple(record for name, cell in cells.items() if name != CHECKS for record in cell.records))
+    style = own.style(is_idle=trust.is_idle(setting))
     if own.worst is None:
-        reason = _first_reason(own)
-        return (TableCell(numbers.ABSENT, _failure_style(own), tooltip=reason, note=reason, span=3),)
+        return (TableCell(numbers.ABSENT, style, tooltip=own.reason, note=own.reason, span=3),)
     within = sum(not Verdict(record.outcome).failed for record in own.judged)
     share = TableCell(f"{100.0 * within / len(own.judged):.3g} %", note=f"{within} of {len(own.judged)}")
-    runs = max(run.runs for run in trust.runs(engine, setting))
     place = f"{family_title(own.worst.quantity)}, {own.worst.mechanism}"
-    tooltip = sentence("index_worst", record=own.worst)
-    largest = TableCell(ratio(own.worst), _cell_style(trust, setting, own), note=place, tooltip=tooltip)
-    computed = [words for words in computed_or_shared(records).split("; ") if not words.startswith("shared")]
-    origin = "; ".join(filter(None, (origin_words(records, runs), *computed)))
+    largest = TableCell(ratio(own.worst), style, note=place, tooltip=sentence("index_worst", record=own.worst))
+    computed = [words for words in computed_or_shared(own.records).split("; ") if not words.startswith("shared")]
+    runs = max(run.runs for run in trust.runs(engine, setting))
+    origin = "; ".join(filter(None, (origin_words(own.records, runs), *computed)))
     time = trust.seconds(engine, setting)
     return share, largest, TableCell(numbers.ABSENT if time is None else numbers.seconds(time), note=origin)
 
 
-def _failure_style(records: EngineRecords) -> str:
-    """The style class of a cell without an error: failed or absent."""
-    return "failed" if records.failed else "absent"
-
-
-def _first_reason(records: EngineRecords) -> str:
-    """The first reason that a record gives; "" without any."""
-    return next((record.detail for record in records.records if record.detail), "")
-
-
-def _cell_style(trust: EngineRanking, setting: str, records: EngineRecords) -> str:
-    """The style class of a cell; none for a setting that decides nothing."""
-    if trust.is_idle(setting):
-        return "muted"
-    return "over" if records.failed else "pass"
-
-
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
     """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve."""
-    rows: list[list[TableCell | str]] = []
-    for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
-        for engine in trust.engines:
-            if trust.row(engine, setting):
-                rows.append(
-                    [
-                        engine,
-                        setting,
-                        *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families),
-                    ]
-                )
+    rows = [
+        (engine, setting, *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families))
+        for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings
+        for engine in trust.engines
+        if trust.row(engine, setting)
+    ]
     return Table(
         "The largest error over the peak, by quantity; the least of each column is marked.",
         ("engine", "setting", *trust.families),
@@ -517,40 +478,28 @@ def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
 
 def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, leads: bool) -> TableCell:
     """The cell of an engine in a family: its largest error, or a sign and the reason for its absence."""
-    records = trust.cell(engine, setting, name)
-    if records.error is None or records.worst is None:
-        return TableCell(
-            "✗" if records.failed else numbers.ABSENT, _failure_style(records), tooltip=_first_reason(records)
-        )
+    records, worst = trust.cell(engine, setting, name), trust.cell(engine, setting, name).worst
+    style = records.style(is_idle=trust.is_idle(setting))
+    if worst is None:
+        return TableCell("✗" if records.failed else numbers.ABSENT, style, tooltip=records.reason)
     best = " best" if name != CHECKS and trust.most_accurate(setting, name) == engine else ""
     words = ("✗ " if records.failed else "") + numbers.steady_error(records.error)
-    place = leads_to(trust, records.worst) if leads else ""
-    return TableCell(
-        PageLink(words, place) if place else words,
-        _cell_style(trust, setting, records) + best,
-        tooltip=sentence("index_worst", record=records.worst),
-    )
+    place = leads_to(trust, worst) if leads else ""
+    tooltip = sentence("index_worst", record=worst)
+    return TableCell(PageLink(words, place) if place else words, style + best, tooltip=tooltip)
 
 
 def _reasons(trust: EngineRanking) -> list[str]:
     """Reasons why engines gave no results, each once per engine, with the settings concerned."""
-    runs = dict.fromkeys((record.engine, record.setting) for record in trust.results.records)
-    records = [record for run in runs for record in trust.records(*run)]
-    groups = grouped(((r.engine, r.detail), r.setting) for r in records if r.error_max is None and r.detail)
+    lacking = [record for record in every_record(trust.results) if record.error_max is None and record.detail]
+    groups = grouped(((record.engine, record.detail), record.setting) for record in lacking)
     return [
         f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"
         for (engine, detail), settings in groups.items()
     ]
 
 
-def _mechanisms_section(trust: EngineRanking | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    """The section of the mechanisms' cards, with the button that stops their motion."""
-    cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
-    still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
-    return (Section("mechanisms", "The mechanisms", (*still, cards)),)
-
-
-def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> Section:
     """The section, folded, on what was run: facts, limits, read-outs and limitations."""
     readouts = tuple(readout_table(name, words) for name, words in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
@@ -564,21 +513,19 @@ def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[Sec
         Section("repeat", "Repeat this report", repeat),
     )
     summary = "Machine, versions, regimes, limits and their reasons, known limitations, the command that repeats it"
-    return (Section("run", "What was run", (Fold(summary, parts),)),)
+    return Section("run", "What was run", (Fold(summary, parts),))
 
 
 def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
     """Name and value of everything that decides a figure or a time of the report."""
     engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
-    imported = "judgement" in results.document
-    absent = "" if imported else "not installed"
-    versions = ", ".join(f"{name} {engines[name] or absent}".strip() for name in sorted(engines))
+    versions = ", ".join(f"{name} {engines[name] or 'not installed'}" for name in sorted(engines))
     return (
         ("Command", Mono(results.document["command"])),
         ("Mechanisms", ", ".join(f"{linkage.name} ({linkage.variant})" for linkage in results.linkages)),
         ("Regimes", "; ".join(f"{name}: {conditions}" for name, conditions in regimes)),
-        ("Results of" if imported else "Engines", versions),
+        ("Engines", versions),
         *environment_facts(results.document["environment"], leave_out=engines),
     )
 

@@ -18,15 +18,12 @@ from reports.records import changes_table, limit_table, views
 
 def markdown(results: CampaignResults) -> str:
     """The summary of a campaign in Markdown."""
-    facts = results.document.get("judgement", [])
     trust = EngineRanking(results)
-    title = "Results of another tool against the closed form" if facts else "Engines against the closed form"
     words = (
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}. Written by ",
         Mono(results.document["command"]),
         "; the pages beside it have curves, machine and times.",
     )
-    lines = facts or verdict(trust)
     errors = [
         Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", errors_section(view, regime).parts)
         for view in views(results)
@@ -34,12 +31,12 @@ def markdown(results: CampaignResults) -> str:
     ]
     parts: tuple[Part, ...] = (
         Paragraph(words),
-        Section("", "Verdict", (*map(Paragraph, lines), families_table(trust, leads=False))),
+        Section("", "Verdict", (*map(Paragraph, verdict(trust)), families_table(trust, leads=False))),
         *_section_with_parts("Errors", errors),
         *_section_with_parts("Changes", changes_table(results.changes)),
         Section("", "Limits", (limit_table(results),)),
     )
-    return f"# {title}\n\n{written(parts)}\n"
+    return f"# Engines against the closed form\n\n{written(parts)}\n"
 
 
 def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, ...]:

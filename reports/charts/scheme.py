@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -137,6 +136,8 @@ class KinematicScheme:
 
 # Inches: the largest drawing, the narrowest, room for words left and below, around the linkage, a pin's radius.
 LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68, 0.58]), 0.42, 0.042
+# The same of a small drawing: its largest size, its rim, a pin's radius.
+CARD, RIM, SMALL_PIN = np.array([1.9, 1.5]), 0.17, 0.031
 Extent = tuple[Array, Array]  # lowest and highest x and y
 Draw = Callable[[Axes, KinematicScheme, float], None]
 NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
@@ -144,19 +145,29 @@ BEHIND = {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", 
 NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIND}
 
 
-@contextmanager
-def label_part(axes: Axes, mover: str) -> Iterator[None]:
-    """Label everything drawn in the context with ``mover``: the body it moves with, or a spring or cylinder."""
-    before = set(axes.get_children())
-    yield
-    for artist in set(axes.get_children()) - before:
-        artist.set_label("" if mover == GROUND else mover)
-
-
 def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
     """A figure of the linkage in twelve positions, to scale in both directions."""
     scheme = KinematicScheme(linkage, positions)
     return scaled_figure(scheme, scheme.extent, draw_scheme)
+
+
+def card_figure(linkage: Linkage, positions: Positions) -> Figure:
+    """A small figure of the linkage in one position with the paths of its points, without axes and names."""
+    scheme = KinematicScheme(linkage, positions)
+    low, high = scheme.extent
+    scale = float(np.min((CARD - 2.0 * RIM) / np.maximum(high - low, 1e-9)))
+    rim = RIM / scale
+
+    def place_small(figure: Figure) -> None:
+        """Draw paths and position to the figure's edges."""
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.set(xlim=(low[0] - rim, high[0] + rim), ylim=(low[1] - rim, high[1] + rim))
+        draw_paths(axes, scheme)
+        draw_position(axes, scheme, SMALL_PIN / scale, masses=False)
+
+    width, height = map(float, scale * (high - low) + 2.0 * RIM)
+    return drawn(width, height, place_small, placed=False)
 
 
 def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
@@ -250,12 +261,11 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Draw guides of sliders and slots over their travel; a rail where no links lead to the slider."""
     for guide, body, point in scheme.runs:
         start, end = scheme.travel(guide, body, point)
-        with label_part(axes, guide.host):
-            if guide.host == GROUND:
-                side = -1.0 if float(symbols.left(end - start) @ _towards_links(point, scheme)) > 0.0 else 1.0
-                symbols.guide(axes, start, end, side, size)
-            else:
-                symbols.slot(axes, start, end, size)
+        if guide.host == GROUND:
+            side = -1.0 if float(symbols.left(end - start) @ _towards_links(point, scheme)) > 0.0 else 1.0
+            symbols.guide(axes, start, end, side, size)
+        else:
+            symbols.slot(axes, start, end, size)
 
 
 def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -263,15 +273,12 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     for number, (name, link) in enumerate(scheme.linkage.links.items()):
         spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
-            with label_part(axes, name):
-                symbols.bar(axes, spots, 5.0 + 0.01 * number)
+            symbols.bar(axes, spots, 5.0 + 0.01 * number)
     for name, ends in scheme.stretches.items():
-        (start, end), draw = scheme.at(ends), symbols.cylinder if name == "cylinder" else symbols.spring
-        with label_part(axes, name):
-            draw(axes, start, end, size)
+        draw = symbols.cylinder if name == "cylinder" else symbols.spring
+        draw(axes, *scheme.at(ends), size)
     for slider in scheme.linkage.sliders:
-        with label_part(axes, slider.link):
-            symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
+        symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -281,8 +288,7 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         if link.inertia is not None and link.points:
             start, spot = scheme.shown(name, [next(iter(link.points.values())), link.centre])
             if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
-                with label_part(axes, name):
-                    symbols.mass_centre(axes, spot, start, size)
+                symbols.mass_centre(axes, spot, start, size)
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -292,8 +298,7 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (shared & set(linkage.ground))
     for name, spot in scheme.spots.items():
         draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in scheme.joined else symbols.eye
-        with label_part(axes, GROUND if name in pivots else scheme.carriers[name]):
-            draw(axes, spot, size)
+        draw(axes, spot, size)
 
 
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:

@@ -5,17 +5,12 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
-
-from markupsafe import Markup
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from reports.document.templates import FOLDER
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
-
-
-NOTHING: Final = Markup("")
 
 
 @dataclass(frozen=True)
@@ -137,8 +132,8 @@ class Widget:
     """An interactive part of a page: ``kind`` names its script, ``label`` describes it for a reader.
 
     ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
-    loaded when it is chosen, JSON-ready too or a script's text: ``name`` and keys are plain file names. ``markup`` is
-    in its place until the script runs, and ``instead`` where no script runs.
+    loaded when it is chosen, JSON-ready too or a script's text: ``name`` and keys are plain file names. ``instead`` is
+    in its place where no script runs.
     """
 
     kind: str
@@ -146,7 +141,6 @@ class Widget:
     label: str
     data: Mapping[str, Any]
     further: Mapping[str, Mapping[str, Any] | str] = field(default_factory=dict)
-    markup: Markup = NOTHING
     instead: tuple[Part, ...] = ()
 
 
@@ -183,14 +177,6 @@ class FigureGroup:
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """Ready markup for a page, such as a moving drawing; ``alt`` replaces it in text."""
-
-    markup: Markup
-    alt: str
-
-
-@dataclass(frozen=True)
 class Section:
     """Parts under a heading; ``key`` is its anchor. A section inside another has a smaller heading."""
 
@@ -199,9 +185,7 @@ class Section:
     parts: tuple[Part, ...]
 
 
-Part = (
-    Paragraph | Bullets | Facts | Command | Table | PageFigure | FigureGroup | Widget | Fold | Cards | Drawn | Section
-)
+Part = Paragraph | Bullets | Facts | Command | Table | PageFigure | FigureGroup | Widget | Fold | Cards | Section
 
 
 @dataclass(frozen=True)

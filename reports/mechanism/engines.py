@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,14 +15,13 @@ from comparisons.trials.judging.quantities import JOINT_FORCE
 from comparisons.trials.judging.records import CONTROL, Error, Verdict
 from reports.document import numbers
 from reports.document.packed import packed
-from reports.document.parts import RUNS, Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
+from reports.document.parts import RUNS, Bullets, Fold, Part, Section, Table, TableCell, Widget
 from reports.document.templates import plain, sentence
 from reports.records import (
     LOOKS,
     Regime,
     Trace,
     View,
-    anchor,
     columns,
     computed_or_shared,
     concurrency_note,
@@ -43,12 +40,8 @@ if TYPE_CHECKING:
 
 
 def engines_section(view: View) -> Section:
-    """The section of a mechanism's page on its simulations, or on the curves of another tool's file."""
-    judged = [JudgedCurve(**row) for row in view.results.document.get("judged_curves", ())]
-    parts: list[Part] = [
-        PageFigure(anchor("judged", c.name), c.caption, c.caption, partial(judged_figure, [c])) for c in judged
-    ]
-    parts += [errors_section(view, regime) for regime in view.regimes]
+    """The section of a mechanism's page on its simulations, or on another tool's file."""
+    parts = [errors_section(view, regime) for regime in view.regimes]
     if is_imported(view):
         return Section("engines", "Every error", tuple(parts))
     runs = tuple(_runs_table(view, regime) for regime in view.regimes)
@@ -66,10 +59,15 @@ def is_imported(view: View) -> bool:
 
 
 def chart(view: View) -> Widget:
-    """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen."""
+    """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen.
+
+    It opens with the curves of the worst signal of a judged file, with every error of engines.
+    """
     further = curves(view)
     first = next(iter(further), "")
-    data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
+    shown = [record for record in view.records if is_imported(view) and record.error_max is not None]
+    opens = "/".join((worst(shown).regime, worst(shown).quantity)) if shown else ""
+    data = {**chart_data(view), "opens": opens, "first": first, "curves": further.pop(first, None)}
     label = "Errors and curves of every engine"
     return Widget("curves", "curves", label, data, further)
 
@@ -162,70 +160,6 @@ def settings_words(details: Mapping[str, Any]) -> str:
     """The settings of an engine as its adapter states them, in words: "step 1e-4, scheme …"."""
     table = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
     return ", ".join(f"{plain(name)} {value}" for name, value in table.items())
-
-
-# A file's curves against the closed form, the difference below, the worst place, and what a cause leaves.
-
-
-MOST: Final = 3  # curves of one picture
-HEIGHT: Final = 4.4  # inches: of the two panels of a curve
-
-
-@dataclass(frozen=True)
-class JudgedCurve:
-    """A signal of a file at some of its times, s: its values in a ``unit``, those of the closed form, the worst time.
-
-    ``without`` are the file's values without the ``cause`` that is named, None where none is, or where either of two
-    values is right. All are plain lists, so that a report's folder can save them.
-    """
-
-    name: str
-    unit: str
-    time: list[float]
-    file: list[float]
-    truth: list[float]
-    worst: float
-    error: str
-    cause: str = ""
-    without: list[float | None] | None = None
-
-    @property
-    def caption(self) -> str:
-        """The caption of the picture, in one sentence."""
-        removed = f", and without its likely cause: {self.cause}" if self.cause else ""
-        return f"{self.name} of the file and of the closed form, and their difference, {self.error}{removed}."
-
-
-def judged_figure(curves: Sequence[JudgedCurve], lines: Sequence[str] = ()) -> Figure:
-    """A figure of the curves side by side, each above its difference from the closed form, the worst place marked."""
-    from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
-
-    shown = curves[:MOST]
-
-    def place(figure: Figure) -> None:
-        """Draw each curve beside the closed form, and below it the difference."""
-        host = draw.head(figure, lines)
-        grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
-        for curve, above, below in zip(shown, *grid, strict=True):
-            time, truth = np.array(curve.time), np.array(curve.truth)
-            above.plot(time, truth, color=draw.REFERENCE, linewidth=3.4, label="closed form")
-            found = {"file": (curve.file, draw.PALETTE[0], "-")}
-            if curve.without is not None:
-                found["without the cause"] = (curve.without, draw.PALETTE[2], "--")
-            for name, (values, colour, line) in found.items():
-                y = np.array(values, dtype=float)
-                above.plot(time, y, line, color=colour, linewidth=1.2, label=name)
-                below.plot(time, y - truth, line, color=colour, linewidth=1.2)
-            for axes in (above, below):
-                axes.axvline(curve.worst, color=draw.LIMIT, linestyle="--", linewidth=0.9)
-            above.set_title(
-                draw.wrap(f"{curve.name}, worst at {curve.worst:.5g} s", draw.FULL_WIDTH / len(shown) - 1.0)
-            )
-            draw.finish(above, "", curve.unit)
-            draw.finish(below, "time, s", f"difference, {curve.unit}")
-        host.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
-
-    return draw.drawn(draw.FULL_WIDTH, HEIGHT + draw.LINE * len(draw.head_lines(lines, draw.FULL_WIDTH)), place)
 
 
 # All errors of one mechanism at a glance: a dot per run and quantity, the limits as strokes.

@@ -16,13 +16,11 @@ from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.trials.campaign.results import CampaignResults
 from reports.charts import draw
 from reports.charts.draw import PALETTE, WIDTH, drawn
-from reports.charts.moving import moving_scheme
 from reports.charts.scheme import thread_figure
 from reports.document.parts import (
     Bullets,
     Card,
     Cards,
-    Drawn,
     FigureGroup,
     Page,
     PageFigure,
@@ -161,9 +159,8 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
     if sheet.positions is None:
         yield Cards((Card("The mechanism", (*designer.sentences(sheet, "values"), designer.facts(sheet))),), wide=True)
         return
-    drawing, model = moving_scheme(sheet.linkage, sheet.positions, "moving"), model_of(sheet)
-    table, facts = key_table(sheet), designer.facts(sheet)
-    yield live_widget(sheet, model, (table, Drawn(drawing, "")))
+    model, table, facts = model_of(sheet), key_table(sheet), designer.facts(sheet)
+    yield live_widget(sheet, model, (table,))
     if isinstance(model, str):
         why = Paragraph(sentence("not_live", reason=model), "small")
         yield Cards((Card("Key figures", (table,)), Card("The mechanism", (facts, why))), wide=True)

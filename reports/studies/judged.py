@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -108,7 +108,5 @@ class Judgement(Study, ImportedJudgement):
         request = CampaignRequest((linkage,), motions, run.conditions, (run.engine,))
         lines = [*imported.sentences(self), f"The crank's motion is taken from {self.motion_source}."]
         lines += [f"Not judged: column '{column.header}', for {reason}." for column, reason in self.imported.not_judged]
-        curves = [asdict(curve) for curve in imported.judged_curves(self)]
-        table = {**saved_document(request, self.command), "judgement": lines, "judged_curves": curves}
-        save(Path(folder), table, [run])
+        save(Path(folder), {**saved_document(request, self.command), "judgement": lines}, [run])
         return write_site(Path(folder), processes=0)

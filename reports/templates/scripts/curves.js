@@ -61,16 +61,17 @@
       }, (error) => { words.textContent = `${error.message}: write the report again.`; });
     }
 
-    /* The curves that the address asks for, by regime and quantity. */
+    /* The curves that the address asks for, by regime and quantity; without any, those that the page begins with. */
     function follow() {
-      const [name, ...rest] = new URLSearchParams(location.hash.slice(1)).get("curve")?.split("/") ?? [];
+      const asked = new URLSearchParams(location.hash.slice(1)).get("curve");
+      const [name, ...rest] = (asked ?? data.opens).split("/");
       const n = data.regimes.findIndex((one) => one.name === name);
       const wanted = n < 0 ? -1 : data.regimes[n].quantities.findIndex((one) => one.name === rest.join("/") && one.curves);
       if (wanted >= 0) {
         regime.value = n;
         offerQuantities();
         quantity.value = wanted;
-        element.scrollIntoView();
+        if (asked) element.scrollIntoView();
       }
       show();
     }

@@ -4,7 +4,6 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.designer.building import usual_sheet
-from comparisons.trials.campaign.results import CampaignResults
 from comparisons.trials.judging.records import Verdict
 from engines.registry import engine_names
 from reports.campaign.index import index
@@ -65,13 +64,3 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
     ]
     text = written(cards.cards[0].parts)
     assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
-    assert "- worst error: 0." in text
-    assert " of its limit: beta, " in text
-
-
-def test_a_judgement_says_its_own_verdict(results, sheets):
-    told = CampaignResults({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.runs)
-    page = index(told, sheets)
-    assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
-    assert page.heading == "Is this simulation right?"
-    assert [one.key for one in page.sections] == ["signals", "mechanisms", "run"]

@@ -7,7 +7,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from markupsafe import Markup
 
 from reports.charts import draw
 from reports.document import html
@@ -16,7 +15,6 @@ from reports.document.parts import (
     Card,
     Cards,
     Command,
-    Drawn,
     Facts,
     FigureGroup,
     Fold,
@@ -56,8 +54,7 @@ TABLE = Table(
     FOREIGN,
     (("", 2), ("engine", 2)),
 )
-WIDGET = Widget("try", "w", FOREIGN, {"a": FOREIGN}, {"k": {"b": 2}}, Markup("<i></i>"), (figure("instead"),))
-DRAWN = Drawn(Markup("<svg></svg>"), FOREIGN)
+WIDGET = Widget("try", "w", FOREIGN, {"a": FOREIGN}, {"k": {"b": 2}}, (figure("instead"),))
 PAGE = Page(
     "mechanisms/one.html",
     FOREIGN,
@@ -67,7 +64,7 @@ PAGE = Page(
     (
         Section("a", FOREIGN, (TABLE, Section("in", "within", (Command(FOREIGN),)))),
         Section("b", "Figures", (FigureGroup((figure("one"), figure("two"))), Fold(FOREIGN, (Paragraph("folded"),)))),
-        Section("c", "Rest", (Cards((Card(PageLink(FOREIGN, "index.html"), (DRAWN,)),)), WIDGET)),
+        Section("c", "Rest", (Cards((Card(PageLink(FOREIGN, "index.html"), (Paragraph("card"),)),)), WIDGET)),
     ),
 )  # fmt: skip
 

@@ -1,6 +1,7 @@
 """``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -106,9 +107,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(folder):
     ):  # fmt: skip
         assert words in head
     assert "not installed" not in page
-    assert "Mkr of the file and of the closed form" in page
-    assert "Mkr has the other sign" in (folder / "page" / "RESULTS.md").read_text(encoding="utf-8")
-    assert (folder / "page" / "figures" / "index" / "judged-Mkr.svg").is_file()
+    assert re.search(r'"opens":"[\w-]+/Mkr"', page)  # its curves
 
 
 def test_a_swing_of_a_cylinder_is_given_in_the_unit_of_its_file(tmp_path):
