@@ -79,7 +79,7 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
 
 
 def named_numbers(linkage: Linkage) -> dict[str, Number]:
-    """Every number of a linkage by its name, with its kind and its path."""
+    """Every number of a linkage by its name, with its kind, its path and its value, SI."""
     return dict(linkage.named_numbers)
 
 
@@ -98,7 +98,7 @@ def design_numbers(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
 
 
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:
-    """The linkage with a named point of a link, or of the ground, at another place in the body's frame, m."""
+    """A copy of the linkage with a named point of a link, or of the ground, at another place in the body's frame, m."""
     if body == GROUND:
         return replace(linkage, ground={**linkage.ground, point: place})
     link = linkage.links[body]
@@ -116,7 +116,10 @@ def multiplied(linkage: Linkage, factor: float, *kinds: str, under: str = "") ->
 
 
 def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
-    """A similar linkage: every length, mass and time times a factor; without its thread."""
+    """A similar linkage: every length, mass and time times a factor; without its thread.
+
+    What is given in several of these, as an inertia, is scaled to match.
+    """
     similar = without(linkage, "thread")
 
     new = {

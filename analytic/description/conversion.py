@@ -51,7 +51,10 @@ PAIR = "links = [...]"  # names the bodies of two points
 
 
 def loads(reader: Reader) -> dict[str, Any]:
-    """All loads of the file by kind, SI; those on the ground have no effect and are left out."""
+    """All loads of the file by kind, SI; a force or torque on the ground has no effect and is left out.
+
+    Raises DescriptionError for wrong bodies, points or tables.
+    """
     makers: dict[str, Callable[..., Any]] = {"forces": _force, "torques": _torque, "springs": _spring}
     result = {}
     for kind in LOADS:
@@ -84,7 +87,10 @@ def _torque(reader: Reader, table: doc.TorqueTable, where: str, number: int) -> 
 def _bodies_of_load(
     reader: Reader, table: doc.LoadTable, link: str | None, where: str
 ) -> tuple[str | None, str | None]:
-    """The body on which a load acts, if it is named, and the body on which its reverse acts, if there is one."""
+    """The body on which a load acts and the one on which its reverse acts, each None if the file names none.
+
+    Raises DescriptionError for a wrong ``between``.
+    """
     if table.between is None:
         return link, None
     first, second = (reader.body(name, f"{where}.between") for name in table.between)
@@ -99,7 +105,7 @@ def _bodies_of_load(
 
 
 def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Spring:
-    """A spring with its dashpot, SI, from its table."""
+    """A spring with its dashpot, SI, from its table; raises DescriptionError for both ends on one body."""
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where, PAIR) for point, link in ends)
     if first == second:
@@ -112,7 +118,10 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Sprin
 
 
 def _between_links(reader: Reader, table: Any, where: str, _: int) -> Any:  # noqa: ANN401 - as the kind has it
-    """A load between two bodies, of any such kind, SI, from its table."""
+    """A torsion spring or damper, SI, as the kind in ``where`` has it, from its table.
+
+    Raises DescriptionError for one body.
+    """
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
         raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
@@ -170,7 +179,7 @@ def _kind_of_regime(keys: Sequence[str]) -> str:
 
 @contextmanager
 def _errors_at(reader: Reader, where: str) -> Iterator[None]:
-    """Put the place in the file before the message of an error that a motion raises in the block."""
+    """In the block, make an error of a motion a DescriptionError that begins with ``where``, its place in the file."""
     try:
         yield
     except LinkproofError as error:
@@ -180,7 +189,7 @@ def _errors_at(reader: Reader, where: str) -> Iterator[None]:
 
 
 def _required(reader: Reader, value: float | None, where: str, meaning: str) -> float:
-    """A number that the regime needs; raises DescriptionError where it is missing."""
+    """The ``value`` that a regime needs; raises DescriptionError, with its ``meaning``, where it is None."""
     if value is None:
         raise reader.fail(f"{where} is missing: expected {meaning}; add it")
     return value
@@ -198,7 +207,7 @@ def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
 
 
 def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``from`` and ``to``, rad or m, and its conditions in words."""
+    """The motion of a regime with ``from`` and ``to`` and its conditions in words; raises an error without both."""
     start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins")
     end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends")
     law, dwell, back = table.law or USUAL_LAW, table.dwell or 0.0, bool(table.back)
@@ -227,7 +236,10 @@ def _segments_motion(reader: Reader, name: str, table: doc.RegimeTable, where: s
 
 
 def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -> Move:
-    """A segment of a motion that is at ``angle``, rad or m: a move by a law, or a dwell."""
+    """A segment of a motion that is at ``angle``, rad or m: a move by a law, or a dwell.
+
+    Raises DescriptionError for neither.
+    """
     if (segment.to is None) == (segment.dwell is None):
         raise reader.fail(f"{place}: expected either an angle to go to or a dwell, got both or none; give one of them")
     if segment.dwell is not None:
@@ -241,7 +253,10 @@ def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -
 
 
 def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``angle`` over ``time``, and its conditions in words."""
+    """The motion of a regime with ``angle`` over ``time``, and its conditions in words.
+
+    Raises DescriptionError for wrong lists.
+    """
     times = table.time if isinstance(table.time, list) else None
     if times is None:
         raise reader.fail(f"{where}.time: expected a list of times in s beside the angles, got none; add time = [...]")
@@ -264,7 +279,10 @@ def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: s
 
 
 def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, Law | None, TimeLaw | None]:
-    """The crank's torque, N m: its constant part, its law over the angle or None, its law over time or None."""
+    """The crank's torque, N m: its constant part, its law over the angle or None, its law over time or None.
+
+    Raises DescriptionError for keys that do not go together.
+    """
     if not isinstance(table.torque, list):
         if table.angle is not None or table.time is not None:
             key = "angle" if table.angle is not None else "time"
@@ -365,7 +383,10 @@ def _thread(reader: Reader) -> ThreadPath | None:
 
 
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
-    """A stop of the thread from its table, m: a guide in space, or an eye on a link."""
+    """A stop of the thread from its table, m: a guide in space, or an eye on a link.
+
+    Raises DescriptionError for a wrong one.
+    """
     if (stop.guide is None) == (stop.eye is None):
         raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
     if stop.eye is not None:
@@ -382,7 +403,10 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
 
 
 def _link(reader: Reader, name: str) -> lk.Link:
-    """A moving link, SI, from its table; one that turns without mass has the inertia 0."""
+    """A moving link, SI, from its table; one that turns without mass has the inertia 0.
+
+    Raises DescriptionError for a mass that turns without inertia.
+    """
     where = f"links.{name}"
     table = reader.document.links[name]
     points = {key: position(place) for key, place in sorted(reader.points(name).items())}
@@ -411,7 +435,10 @@ def _check_driver(reader: Reader) -> None:
 
 
 def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
-    """Friction, SI, by joint: the point of a pin, the sliding link, or the slot."""
+    """Friction, SI, by joint: the point of a pin, the sliding link, or the slot.
+
+    Raises DescriptionError for a wrong one.
+    """
     pins = {pin.point for pin in _pins(reader)}
     guides = {*(slider.link for slider in _sliders(reader)), *(slot.name for slot in _slots(reader))}
     result = {}
@@ -427,7 +454,10 @@ def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
 
 
 def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
-    """The cylinder that drives the linkage; None where a crank or a slider does."""
+    """The cylinder that drives the linkage, SI; None where a crank or a slider does.
+
+    Raises DescriptionError for ends on one body, or a drawn length outside its range.
+    """
     table = reader.document.cylinder
     if table is None:
         return None
@@ -481,7 +511,7 @@ def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
-    """All prismatic joints, sorted by the name of the sliding link."""
+    """All prismatic joints, sorted by the name of the sliding link; raises DescriptionError for a circle of sliders."""
     slides = [(name, table.slides) for name, table in sorted(reader.document.links.items()) if table.slides]
     for name, _ in slides:
         _turns(reader, name)  # a slider of a circle of sliders has no place
@@ -489,7 +519,7 @@ def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
 
 
 def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
-    """The line of a slider or a slot in its host, m."""
+    """The line of a slider or a slot in its host: a point, m, and a unit vector."""
     host = reader.body(table.on, f"{where}.on")
     return lk.Guide(host, position(table.through), reader.direction(table.along, where))
 
@@ -515,7 +545,7 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
 
 
 def _sketch(reader: Reader) -> dict[str, Vector]:
-    """Rough positions of points, m, by their names."""
+    """Rough positions of points, m, by their names; raises DescriptionError for an unknown point."""
     for point in reader.document.sketch.points:
         if point not in reader.carriers:
             raise reader.fail(f"sketch.points: {UnknownNameError('point', point, reader.carriers)}")
@@ -524,7 +554,11 @@ def _sketch(reader: Reader) -> dict[str, Vector]:
 
 
 def _output(reader: Reader) -> lk.Output | None:
-    """The output point and its direction, by default the guide of its slider; None where the file has no output."""
+    """The output point, a body that carries it, and its direction; None where the file has no output.
+
+    The direction is by default the guide of its slider. Raises DescriptionError for a point that does not move, or
+    without a direction.
+    """
     table = reader.document.output
     if table is None:
         return None

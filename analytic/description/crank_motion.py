@@ -49,7 +49,7 @@ class Segment:
         return np.asarray(total)
 
     def extreme_times(self, order: int) -> tuple[float, ...]:
-        """Start, end, and the times between at which the derivative of φ of an order may be largest or smallest, s."""
+        """Start, end, and the times between at which φ or its derivative of an order may be extreme, s."""
         return (self.start, self.end, *self._zeros(order + 1))
 
     def _zeros(self, order: int) -> list[float]:
@@ -67,10 +67,10 @@ class Segment:
 
 @lru_cache(maxsize=256)
 def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
-    """Coefficients of a polynomial's derivative, the highest power first; those given have the lowest first.
+    """Coefficients of a polynomial's derivative of an order, the highest power first.
 
-    Stepping engines evaluate single instants, for which NumPy's own functions take ten times the time of the
-    arithmetic.
+    Those given have the lowest first. Stepping engines evaluate single instants, for which NumPy's own functions take
+    ten times the time of the arithmetic.
     """
     for _ in range(order):
         coefficients = tuple(power * c for power, c in enumerate(coefficients))[1:] or (0.0,)
@@ -96,13 +96,16 @@ class CrankMotion:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Smallest and largest φ, rad."""
+        """Smallest and largest φ, rad, or m of a driver that is pushed."""
         ends = [float(s.value(t)) for s in self.segments for t in s.extreme_times(0)]
         return min(ends), max(ends)
 
     @cached_property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s, the start from rest included, roundings at joins excluded."""
+        """Times at which the acceleration jumps, s; 0 is one if it does not begin at zero.
+
+        Roundings at joins are none.
+        """
         before = [0.0] + [float(s.value(s.end, 2)) for s in self.segments[:-1]]
         after = [float(s.value(s.start, 2)) for s in self.segments]
         scale = max(self.peak_speed / self.duration, *map(abs, before), *map(abs, after))
@@ -110,7 +113,7 @@ class CrankMotion:
         return tuple(s.start for s, left, right in pairs if abs(left - right) > ROUNDING * scale)
 
     def _evaluate(self, time: ArrayLike, order: int) -> NDArray[np.float64]:
-        """φ or a derivative of it at instants, s; shape of ``time``."""
+        """φ or its derivative of ``order``, up to 2, at instants, s; shape of ``time``."""
         time, starts = np.asarray(time, dtype=float), self._starts
         piece = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(starts) - 1)
         x = time - starts[piece]
@@ -199,7 +202,8 @@ def crank_motion(
 
     ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at it for
     ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed`` turns
-    at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
+    at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad. Raises UnknownNameError for another
+    regime, LinkproofError for a wrong number.
     """
     if regime not in REGIMES:
         raise UnknownNameError("regime", regime, REGIMES)
@@ -274,7 +278,7 @@ def check_times(t: Array) -> None:
 
 
 def _check_steps(time: Array, angle: Array) -> None:
-    """Raise LinkproofError for one step, or one point off between two, that no speed of the others explains."""
+    """Raise LinkproofError for one step, or a point between two steps, over JUMP times as fast as all others."""
     speeds = np.abs(np.diff(angle) / np.diff(time))
     fastest = int(np.argmax(speeds))  # one of the steps at fault, if there are any
     for width in (1, 2):
@@ -389,7 +393,7 @@ class Move:
 
 
 def sequence(regime: str, start_angle: float, moves: Sequence[Move]) -> CrankMotion:
-    """The motion that makes one move after the other from ``start_angle``, rad.
+    """The motion of this name that makes one move after the other from ``start_angle``, rad.
 
     Raises LinkproofError where a move cannot be, or where the speed would jump between two of them.
     """
@@ -410,7 +414,10 @@ def sequence(regime: str, start_angle: float, moves: Sequence[Move]) -> CrankMot
 
 
 def _segments(move: Move, begun: float, angle: float, target: float) -> list[Segment]:
-    """The pieces of a move from ``angle`` to ``target``, rad, that begins at ``begun``, s; a dwell is one piece."""
+    """The pieces of a move from ``angle`` to ``target``, rad, that begins at ``begun``, s; a dwell is one piece.
+
+    Raises UnknownNameError for an unknown law.
+    """
     if move.law not in LAWS:
         raise UnknownNameError("law", move.law, LAWS)
     if target == angle:
@@ -449,6 +456,7 @@ def swing(
     """A motion from one crank angle to another, rad, by a law, with a ``dwell``, s, there, and ``back`` if asked for.
 
     Either the largest |ω| is given, ``speed``, rad/s, or the ``time`` of one way, s. ``regime`` is the law by default.
+    Raises UnknownNameError for an unknown law, LinkproofError for numbers that make no motion.
     """
     if law not in LAWS:
         raise UnknownNameError("law", law, LAWS)

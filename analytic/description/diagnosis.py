@@ -38,7 +38,10 @@ class Source:
         return DescriptionError(self.place(message))
 
     def line(self, keys: Sequence[str]) -> int:
-        """The line, from 1, of a key, the variant's before the file's own, or of the innermost table that has it."""
+        """The line, from 1, of a key: the variant's before the file's own.
+
+        Without it of the innermost table that has it. 1 where no such table is in the file.
+        """
         roots = [*([f"variants.{self.variant}."] if self.variant else []), ""]
         tree = tomllib.loads(self.text)
         for depth in range(len(keys), 0, -1):
@@ -96,7 +99,10 @@ NO_KEYS: Final[Mapping[str, str]] = {
 
 
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
-    """The most telling fault of the first wrong value; ``source`` has its place, ``model`` what is expected there."""
+    """The most telling fault of the first wrong value, as one sentence, which begins with file, line and key.
+
+    ``source`` gives the place, ``model`` what is expected there.
+    """
     fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden" and keys[-1] in NO_KEYS:
@@ -129,7 +135,7 @@ def _keys(fault: ErrorDetails) -> list[str]:
 
 
 def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[BaseModel]) -> str:
-    """The expected value in words: its field's own, by the innermost key that has a phrase, or by the kind of value."""
+    """What is expected at ``keys``, in words, by model field, innermost key with a phrase, or kind of value."""
     if keys[0] in model.model_fields and (words := model.model_fields[keys[0]].description):
         return words
     names = [key for key in keys if not key.isdigit()]
@@ -142,7 +148,7 @@ def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[Bas
 
 
 def shown(value: object) -> str:
-    """A value as the file has it, cut short, as text for a message."""
+    """A value read from a file, cut short, as text for a message: texts in quotes, true and false in small letters."""
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_NUMBER:
         return f"a number of {value.bit_length()} bits"
     return shortened(
@@ -151,7 +157,7 @@ def shown(value: object) -> str:
 
 
 def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
-    """Keys that the table at this path of keys may have."""
+    """Names of the keys, sorted, that the table at this path of keys may have; [] for an unknown path."""
     model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:

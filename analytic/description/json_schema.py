@@ -19,7 +19,7 @@ Schema = dict[str, Any]
 
 
 def json_schema() -> Schema:
-    """The schema of a whole file, its variants included."""
+    """The schema of a whole file, its variants included, as a new dictionary."""
     made = Document.model_json_schema(ref_template="#/definitions/{model}")
     definitions: Schema = {name: _draft_4(table) for name, table in made.pop("$defs").items()}
     document = definitions["Document"] = _draft_4(made)
@@ -37,7 +37,7 @@ def json_schema() -> Schema:
 
 
 def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
-    """A part of pydantic's JSON schema rewritten for Draft 4; null is dropped, since TOML has none."""
+    """A copy of a part of pydantic's JSON schema, rewritten for Draft 4; null is dropped, since TOML has none."""
     if isinstance(part, list):
         return [_draft_4(entry) for entry in part]
     if not isinstance(part, dict):
@@ -61,7 +61,10 @@ def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
 
 
 def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
-    """Give every key of a table, and of the tables in it, the description that error messages use; in place."""
+    """Give every key of a table, and of the tables in it, the description that error messages use; in place.
+
+    ``outermost`` is the key of the file in which the table stands; "" for the file itself.
+    """
     for key, part in table.get("properties", {}).items():
         root = outermost or key
         phrase = EXPECTED.get(f"{root}.{key}", EXPECTED.get(key))
@@ -80,7 +83,10 @@ def _tables_in(part: object) -> list[str]:
 
 
 def _variant_of(name: str, definitions: Schema) -> str:
-    """Copy a definition, and all that it refers to, without required keys; returns the copy's name."""
+    """Add to ``definitions`` a copy of one, and of all that it refers to, without required keys.
+
+    Returns the copy's name.
+    """
     copy = f"{VARIANT}{name}"
     if copy not in definitions:
         definitions[copy] = {}  # so that a circle ends
@@ -92,7 +98,7 @@ def _variant_of(name: str, definitions: Schema) -> str:
 
 
 def _without_required_keys(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
-    """A part of the schema for a variant, where no key is required; references go to the variant's definitions.
+    """A copy of a part of the schema, for a variant: no key is required, references go to the variant's definitions.
 
     Tables in lists keep their required keys: a variant replaces lists whole.
     """

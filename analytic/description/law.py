@@ -64,7 +64,10 @@ class Law:
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """Where the law has a corner, rad or m: the angles of straight lines, and the ends of a table over a travel."""
+        """Where the law has a corner, rad or m: the angles of straight lines, and the ends of a table over a travel.
+
+        Else ().
+        """
         if self.angles is None or not (self.linear or not self.period):
             return ()
         return tuple((self.angles if self.linear else self.angles[[0, -1]]).tolist())
@@ -85,7 +88,10 @@ class Law:
         return PPoly(cubics, knots, extrapolate="periodic" if self.period else None)
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
-        """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
+        """Value, SI, or its derivative of the given order over the coordinate, at each angle or travel.
+
+        (k, *angle.shape). The restriction ``when`` is not applied here.
+        """
         if self.angles is None:
             values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)
             return np.broadcast_to(values.reshape(-1, *([1] * len(shape))), (len(values), *shape))
@@ -100,7 +106,7 @@ class Law:
         return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
     def formula(self, place: Any) -> list[Any]:  # noqa: ANN401 - a traced number
-        """Components of the load at a traced place, as formulas without branches."""
+        """Components of the load at a traced place within or beyond its table, as formulas without branches."""
         knots, pieces = self.pieces()
         within = np.minimum(np.maximum(place, knots[0]), knots[-1])
         begun = [within >= knot for knot in knots[1 : len(pieces)]]
@@ -120,7 +126,7 @@ class Law:
         return parts
 
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """A table as plain data: knots, rad or m, and each piece's cubic coefficients by component and power."""
+        """A table as plain data: knots, rad or m, and by piece and component its coefficients, lowest power first."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 
@@ -136,7 +142,7 @@ class LawOfNumbers(Law):
     numbers: tuple[Any, ...] = ()
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> Any:  # noqa: ANN401 - what the numbers are
-        """Values of the components, N or N m; a place and numbers that are arrays are broadcast together."""
+        """Components, N or N m, as a tuple; places and numbers that are arrays are broadcast together."""
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
         unit = np.eye(len(rows))

@@ -75,7 +75,7 @@ class DriverCoordinate:
         return "force" if self.is_linear else "torque"
 
     def kind(self, kind: Kind) -> Kind:
-        """A kind of number with the driver's own meaning: for a linear one, lengths and forces."""
+        """The kind that a number of the drive has: of a linear one a length or force for an angle or torque."""
         return kind.of_driver(is_linear=self.is_linear)
 
     @property
@@ -84,7 +84,7 @@ class DriverCoordinate:
         return f" {self.unit.name}" if self.is_linear else self.unit.name
 
     def text(self, value: float) -> str:
-        """A value in words: an angle in degrees, within a turn, a length in the unit of the linkage's file."""
+        """A value of φ, rad or m, in words: an angle in degrees, within a turn, a length in the file's unit."""
         return f"{value / self.unit.size:z.4g}{self.mark}" if self.is_linear else degrees(value)
 
     def unwrapped(self, value: float) -> str:
@@ -92,12 +92,12 @@ class DriverCoordinate:
         return self.text(value) if self.is_linear else f"{value / self.unit.size:.6g}{self.mark}"
 
     def named(self, value: float) -> str:
-        """A value in words with its name: "crank angle 30°"."""
+        """A value in words with its name: "crank angle 30°", "a cylinder at 120 mm"."""
         return f"{f'a {self.driver} at' if self.is_linear else 'crank angle'} {self.text(value)}"
 
 
 def driver_coordinate(driver: DriverKind, length: str) -> DriverCoordinate:
-    """The description of φ for a kind of driver, in a file with this unit of length."""
+    """The description of φ for a kind of driver; ``length`` is the name of the file's unit of length."""
     if driver is DriverKind.CRANK:
         return DriverCoordinate(driver, FileUnit("°", math.radians(1.0)), FileUnit("rpm", RPM))
     size = factor("length", length)
@@ -406,16 +406,20 @@ class Linkage:
         return f"<p>{escape(repr(self)[1:-1])}; {escape(self.source)}</p><table>{head}{table}</table>"
 
     def plot(self) -> Any:  # noqa: ANN401 - a figure of matplotlib
-        """A figure of matplotlib with the scheme in twelve positions of its range."""
+        """A figure of matplotlib with the scheme in twelve positions of its range.
+
+        Raises LinkproofError without linkproof.
+        """
         if Linkage.drawing is None:
             raise LinkproofError("a linkage is drawn by the package linkproof: import that first")
         return Linkage.drawing(self)
 
     @cached_property
     def named_numbers(self) -> Mapping[str, Number]:
-        """Every number by its name; one whose name is already taken gets a count behind it.
+        """Every number by its name; one whose name is already taken gets " #2" or a higher count behind it.
 
-        Masses come before points, lest a point called ``centre`` take the mass centre's name.
+        Angles of a load's table and lengths of the drive have none. Masses come before points, lest a point called
+        ``centre`` take the mass centre's name.
         """
         result: dict[str, Number] = {}
         every = [number for part in NAMED_PARTS for number in self.numbers_of(part)]
@@ -428,7 +432,7 @@ class Linkage:
         return result
 
     def numbers_of(self, part: str) -> Iterator[Number]:
-        """Every number of one field of the linkage, with its path and kind."""
+        """Every number of one field of the linkage, named ``part``, with its path, kind and value, SI."""
         return walk(getattr(self, part), number_fields(Linkage)[part], (part,))
 
     @property
@@ -466,12 +470,12 @@ class Linkage:
 
     @property
     def load_period(self) -> float:
-        """The crank's way, rad, after which loads over it repeat: a turn or two."""
+        """The angle, rad, after which loads over the crank angle repeat: a turn or two."""
         return max((law.period for law in self.laws if law.period and not law.is_constant), default=FULL_TURN)
 
     @property
     def released(self) -> dict[str, ReleasedRegime]:
-        """The released regimes that the file defines, by name."""
+        """The regimes of the file in which the crank is released, by name."""
         return {regime.name: regime for regime in self.regimes if isinstance(regime, ReleasedRegime)}
 
     @property
@@ -510,7 +514,7 @@ class Linkage:
         return min(lengths, default=self.extent())
 
     def extent(self) -> float:
-        """Largest coordinate in the description, m: the scale of the drawing."""
+        """Largest magnitude of a coordinate in the description, m: the scale of the drawing."""
         guides = [slider.guide for slider in self.sliders] + [slot.guide for slot in self.slots]
         places = [place for link in self.links.values() for place in (*link.points.values(), link.centre)]
         places += [*self.ground.values(), *(guide.through for guide in guides)]
@@ -518,7 +522,7 @@ class Linkage:
 
 
 def _dotted_name(linkage: Linkage, path: Keys) -> str:
-    """The dotted name of the number at a path in the linkage: "rod.B.x"."""
+    """The dotted name of the number at a path in the linkage, such as "rod.B.x"."""
     keys: Sequence[str | int] = path
     match path:
         case ("links", link, "points", *rest) | ("links", link, *rest):
@@ -541,5 +545,5 @@ def _dotted_name(linkage: Linkage, path: Keys) -> str:
 
 
 def _row_in_name(law: Law, row: str | int) -> tuple[str, ...]:
-    """The part of a number's name that says the row of a load's table; () for a constant load."""
+    """The row of a load's table as the part of a number's name that says it; () for a constant load."""
     return () if law.angles is None else (str(row),)

@@ -84,7 +84,10 @@ def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
 
 
 def find(name: str) -> Path:
-    """Path of a mechanism by its name here or its own ``.toml`` path; raises UnknownNameError or DescriptionError."""
+    """Path of a mechanism's file by its name here or its own ``.toml`` path.
+
+    Raises UnknownNameError or DescriptionError.
+    """
     path = Path(name)
     ours = known_names()
     if not path.suffix and path.parent == Path():
@@ -134,13 +137,19 @@ def load(name: str | Path, variant: str | None = None) -> Linkage:
 
 
 def in_variant(linkage: Linkage, variant: str) -> Linkage:
-    """The linkage of another variant of the same file, with the gravity of the given one."""
+    """The linkage of another variant of the same file, with the gravity of the given one.
+
+    Raises errors as ``load`` does.
+    """
     return replace(parse(linkage.text, linkage.name, linkage.name, variant), gravity=linkage.gravity)
 
 
 @lru_cache(maxsize=64)
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
-    """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
+    """The Linkage of a file's text in a variant; ``name`` is its own, ``origin`` names the file in messages.
+
+    Raises errors as ``load`` does; texts seen before are not read again.
+    """
     raw, names, source = document(text, name, origin, variant)
     return interpret(validated(raw, source), name, names, source)
 
@@ -181,7 +190,7 @@ def document(
 
 
 def tables(text: str, origin: str) -> dict[str, Any]:
-    """The file as nested dictionaries; raises DescriptionError with file and line."""
+    """A TOML text as nested dictionaries; raises DescriptionError, with file and line, for a wrong or an empty one."""
     if not text.strip():
         raise DescriptionError(
             f"{origin}:1: expected a linkage description, got an empty file; start from a catalogue file"
@@ -263,7 +272,7 @@ def read_document(path: Path, what: str, model: type[M]) -> M:
 
 
 def read_source(path: Path, what: str) -> Source:
-    """The text of a TOML file; ``what`` is expected there, in words. Raises LinkproofError with the path."""
+    """A TOML file's name and text; ``what`` is expected there, in words. Raises LinkproofError with the path."""
     try:
         return Source(printable(str(path)), read_file(path, what).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
@@ -271,7 +280,10 @@ def read_source(path: Path, what: str) -> Source:
 
 
 def parse_document(source: Source, model: type[M]) -> M:
-    """A TOML text, checked, as an object of ``model``; raises DescriptionError with file, line and key."""
+    """A TOML text, checked, as an object of ``model``; raises DescriptionError with file, line and key.
+
+    An empty text stands for no keys.
+    """
     raw = tables(source.text, source.name) if source.text.strip() else {}
     check_characters(raw, source)
     try:
@@ -291,7 +303,7 @@ def check_characters(raw: Mapping[str, Any], source: Source) -> None:
 
 
 def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
-    """Every text of a document with its keys and, with "" as text, every key."""
+    """Every text of a document with its keys, and every key with "" as text, in depth."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield [*keys, key], ""
@@ -304,7 +316,7 @@ def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]
 
 
 def _check_links(base: object, over: object, source: Source, variant: str) -> None:
-    """Raise DescriptionError for a variant's link that the file lacks, unless the variant gives its mass."""
+    """Raise DescriptionError for a link of the variant ``over`` that the ``base`` lacks, unless it has a mass."""
     if isinstance(base, dict) and isinstance(over, dict):
         for link, table in over.items():
             if link not in base and not (isinstance(table, dict) and "mass" in table):
@@ -345,7 +357,8 @@ MOST_NAMED: Final = 12  # changed numbers in the first line
 def with_variant_written(text: str, name: str, variant: str | None) -> str:
     """The text of a linkage file with a variant's numbers, and all defaults, written as its own values.
 
-    Printed figures, which belong to the file as it was, are left out. Raises as ``rewritten`` does.
+    Printed figures, which belong to the file as it was, are left out; directions stay as they are written. Raises as
+    ``rewritten`` does.
     """
     linkage = parse(text, name, name, variant)
     raw, _, source = document(text, name, name, variant)
@@ -361,7 +374,10 @@ def with_variant_written(text: str, name: str, variant: str | None) -> str:
 
 
 def written_numbers(text: str, name: str, variant: str | None) -> WrittenNumbers:
-    """The places and units of all numbers of a linkage file in a variant."""
+    """The places and units of all numbers of a linkage file in a variant, for setting them.
+
+    Raises errors as ``load`` does.
+    """
     raw, _, source = document(text, name, name, variant)
     return WrittenNumbers(raw, reader_of(validated(raw, source), source), parse(text, name, name, variant))
 
@@ -423,7 +439,7 @@ class WrittenNumbers:
         self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
     def set(self, number: str, value: float) -> str:
-        """Put an SI value in its place in ``raw``; returns it as the file writes it."""
+        """Put an SI value in its place in ``raw``, in the file's unit; returns "name = number unit" as text."""
         place = self.places[number]
         self.values[place] = value
         table: Any = self.raw
@@ -461,14 +477,17 @@ def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
 
 
 def _first_line(name: str, variant: str, sentences: list[str]) -> str:
-    """The comment that begins the new file: from which file it was made, and which numbers were changed."""
+    """The comment that begins the new file: from which file and variant it was made, and which numbers were changed."""
     more = [f"{len(sentences) - MOST_NAMED} more numbers"] if len(sentences) > MOST_NAMED else []
     numbers = ", ".join([*sentences[:MOST_NAMED], *more]) or "no number changed"
     return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"
 
 
 def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
-    """The text with the values ``raw`` and its comments, without linkproof's first line; made anew where that fails."""
+    """The text with the values ``raw``, comments kept; made anew where that fails.
+
+    linkproof's first line and a byte-order mark are dropped.
+    """
     import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
     from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
 
@@ -487,7 +506,7 @@ def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
 
 
 def _update(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
-    """Replace, in place, only the differing values of a parsed file's table or list, so that comments stay."""
+    """Make a parsed file's table or list equal ``new``, in place, by what differs alone, so that comments stay."""
     if isinstance(old, MutableMapping):
         for key in [key for key in old if key not in new]:
             del old[key]

@@ -47,7 +47,10 @@ SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less cou
 
 
 def is_exact(mechanism: Mechanism) -> bool:
-    """Whether derivatives are exact, as for linkages of dyads without friction; else they are differences."""
+    """Whether derivatives are exact, as for linkages of dyads without friction and change points.
+
+    Else they are differences.
+    """
     return is_traceable(mechanism)
 
 
@@ -91,6 +94,7 @@ def signal_gradients(
     if not is_exact(mechanism):
 
         def curves_of(numbers: Mapping[str, float]) -> Array:
+            """The signals (signals, angles), SI, of one design with these numbers."""
             return signal_values(mechanism, numbers, signals, places, speed=speed)
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
@@ -150,7 +154,7 @@ def figure_gradients(
 
 
 def _figure_differences(request: FigureRequest, parameters: Mapping[str, float]) -> tuple[Array, Array]:
-    """Figures and their derivatives by numerical differences, where the closed form has no exact ones."""
+    """Figures and their derivatives by central differences, where the closed form has no exact ones."""
 
     # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
     def figures_of(numbers: Mapping[str, float]) -> Array:
@@ -179,7 +183,7 @@ class _Design:
         return linkage_trace(self.mechanism, self.parameters, tuple(map(sampled_source, signals)))
 
     def _input_values(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:
-        """Values of the list's inputs by line: the design's numbers, and crank angles, rad."""
+        """Values of the list's inputs by line: the design's numbers, the speed, and crank angles, rad."""
         zero = {ZERO_OF_S: self._zero_of_s[0]} if ZERO_OF_S in listed.trace.inputs else {}
         return listed.values({**self.parameters, **zero}, places, speed_of(self.parameters, self.speed))
 
@@ -224,7 +228,10 @@ class _Design:
     def _moved(
         self, listed: LinkageTrace, signals: Sequence[str], places: Array, ways: Sequence[dict[int, Any]], zero: Curve
     ) -> list[Curve]:
-        """Signals, each with its changes in some ``ways``, each a mapping of changes of inputs by line."""
+        """Signals, each with its change in each of the ``ways``, mappings from an input's line to its change.
+
+        S counts from ``zero``, with its own changes.
+        """
         moving = {line for way in ways for line in way}
         rows = listed.trace.differentiated(listed.signals, self._input_values(listed, places), moving)
         result = []
@@ -252,7 +259,7 @@ class _Design:
         return [self._signal_of_line(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
 
     def _signal_of_line(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
-        """A signal at crank angles from its line: S from the coordinate, a link's angle unwrapped."""
+        """A signal at crank angles from its line's ``value``: S from the coordinate, a link's angle unwrapped."""
         full = np.broadcast_to(value, places.shape)
         if name == "S":
             return zero_of_s - full
@@ -290,7 +297,10 @@ class _Design:
         zero_of_s: Curve,
         refine: bool,
     ) -> list[Curve]:
-        """The value of each extreme with its derivatives (parameters,)."""
+        """The value of each extreme with its derivatives (parameters,), in the order given.
+
+        It is looked for at ``places`` and, with ``refine``, between them.
+        """
         if not extremes:
             return []
         grid = _with_period_end(places, self.mechanism.linkage.load_period) if refine else places
@@ -311,7 +321,7 @@ class _Design:
         return tops
 
     def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
-        """Each mean and its derivatives (parameters,), from one integration of all."""
+        """Each mean and its derivatives (parameters,) by figure, from one integration of all."""
         count, signals = len(self.parameters), [quantity.signal for quantity in figures]
         known = dict(zip(signals, self.values(signals, places), strict=True))
         near = {name: values for name, values in known.items() if is_angle(name)}
@@ -340,7 +350,10 @@ class _Design:
     def _find_tops(
         self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
     ) -> tuple[Integers, Array]:
-        """The tops of all extremes' heights, as number of the extreme and angle, rad; sampled without ``refine``."""
+        """The tops of all extremes' heights, as number of the extreme and angle, rad; sampled without ``refine``.
+
+        ``sampled`` (extremes, n) are heights on the ``grid``, and S counts from ``top``, m.
+        """
         if not refine:
             return np.arange(len(extremes)), grid[np.argmax(sampled, axis=1)]
         sampled_tops = tops(sampled)
@@ -389,7 +402,10 @@ def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, f
 def _highest_top(
     extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float
 ) -> tuple[Array, Array]:
-    """Value and derivatives of the highest top, of equal ones the first; nan where derivatives of equal ones differ."""
+    """Value and derivatives of the highest top, of equal ones the first; nan where derivatives of equal ones differ.
+
+    ``places`` are the tops' angles, rad, ``largest`` the signal's largest magnitude, against which tops count as equal.
+    """
     heights, rises = extreme.height(values), extreme.side(values) * slopes
     highest = np.max(heights)
     if extreme.is_kink(highest):

@@ -67,7 +67,10 @@ class SignalExtreme(NamedTuple):
         return (self.side(values) if side is None else side) * values
 
     def is_kink(self, value: ArrayLike) -> Array:
-        """Whether it is the top of a transmission angle at 90°, which no number of the design changes."""
+        """For each value, rad, whether it is the top of a transmission angle at 90°.
+
+        No number of the design changes such a top.
+        """
         can_be = self.way >= 0 and self.signal.startswith("transmission_angle:")
         return np.asarray(can_be & (np.asarray(value) > SQUARE - NEAR))
 
@@ -91,7 +94,7 @@ class Figure:
 
     @property
     def is_magnitude(self) -> bool:
-        """Whether it is a largest magnitude, which has no sign."""
+        """Whether it is a peak: a largest magnitude, which has no sign."""
         return self.reduction is Reduction.PEAK
 
     @property
@@ -113,7 +116,10 @@ class Figure:
         return np.sqrt(mean) if self.reduction is Reduction.RMS else mean
 
     def of(self, ends: Sequence[Array]) -> Array:
-        """The figure of each design, (designs,), from its extremes' values: one, or highest less lowest."""
+        """The figure of each design, (designs,), from its extremes' values: one, or highest less lowest.
+
+        A peak's magnitude.
+        """
         value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return np.abs(value) if self.is_magnitude else value
 
@@ -144,7 +150,7 @@ NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon", THREAD_FEED)
 
 
 def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
-    """The figures by name that a typed name stands for: itself, or all members of a family.
+    """The figures by name that a typed name stands for: one, or one for each member of a family.
 
     ``in_time`` allows figures of a motion, at a time. Raises LinkproofError for an unknown signal or reduction, and for
     a wrong angle or time.
@@ -179,18 +185,18 @@ def part_figure(name: str) -> tuple[str, str]:
 
 
 def figure_names(mechanism: Mechanism) -> list[str]:
-    """Every figure by name, the peaks first; those at an angle have names without end."""
+    """Every figure of a design by name, ``stroke`` first, then the peaks; those at an angle are left out."""
     return _known_figures(_signals(mechanism))
 
 
 def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -> dict[str, str]:
-    """Names of signals by the name a user types, where a vector's own name means its magnitude."""
+    """Names of signals, but those ``without``, by the name a user types: for a vector's magnitude its own name."""
     names = [name for name in names_with_magnitudes(mechanism) if name not in without]
     return {name.removesuffix(MAGNITUDE): name for name in names}
 
 
 def _known_figures(known: Mapping[str, str]) -> list[str]:
-    """Names of all figures of these signals, the peaks first."""
+    """Names of all figures of these signals, ``stroke`` first, then the peaks; none at an angle."""
     families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
     stroke = [STROKE] if "S" in known else []
     return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]
@@ -232,7 +238,10 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
 
 
 def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
-    """The place, rad or m, and the time, s, that the text behind "@" gives; the one not given is nan."""
+    """The place, rad or m, and the time, s, that the text behind "@" gives; the one not given is nan.
+
+    A place without unit is in degrees or the file's unit of length. Raises LinkproofError for a wrong text.
+    """
     read = INSTANT.fullmatch(text)
     measure = read["unit"] if read else None
     if read is None or (linkage.is_linear and measure in ("deg", "rad")) or (measure == "s" and not in_time):

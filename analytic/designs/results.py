@@ -41,7 +41,7 @@ LAST: Final = ("{value}", np.nan)
 
 
 def can_reduce(request: FigureRequest) -> bool:
-    """Whether the figures are peaks and means of samples, which need no curve."""
+    """Whether the figures are extremes and means of samples, which need no curve."""
     linkage = request.mechanism.linkage
     return not request.refine and not any(
         figure.reduction is Reduction.AT
@@ -73,7 +73,10 @@ class _DesignSums:
             self._add(f"last {number}", line, LAST)
 
     def _add(self, name: str, line: int, reduction: tuple[str, float]) -> None:
-        """Request a reduction of a line of the list under this name, unless the name is known."""
+        """Request a reduction of a line of the list under this name, unless the name is known.
+
+        ``reduction`` is its formula and its first value.
+        """
         if name not in self.places:
             self.places[name] = len(self.results)
             self.results.append(Result(line, *reduction))
@@ -108,7 +111,7 @@ class _DesignSums:
 def reduced_figures(
     request: FigureRequest, arrays: Mapping[str, Array], listed: LinkageTrace
 ) -> tuple[Array, Booleans]:
-    """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which are doubtful.
+    """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which designs are doubtful.
 
     A design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two
     crank angles. Figures of a design that cannot move at one of the crank angles are nan.
@@ -141,7 +144,10 @@ def reduced_figures(
 
 
 def _row_numbers(request: FigureRequest, listed: LinkageTrace, lines: Sequence[int]) -> list[Array]:
-    """Values (rows,) of the lines that depend on the crank alone, at the crank angles and the period's end."""
+    """For each of ``lines``, which depend on the crank alone, its values at the crank angles and the period's end.
+
+    The shares of samples in means are among their inputs.
+    """
     grid, count = request.grid, len(request.crank_angles)
     share = np.where(np.arange(len(grid)) < count, 1.0 / count, 0.0)
     shares = {SHARE: share, HALF_SHARE: 2.0 * share * (np.arange(len(grid)) % 2 == 0)}
@@ -217,7 +223,10 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
 
 
 def period_of(mechanism: Mechanism, places: Array) -> float | None:
-    """The period of loads, rad, which crank angles divide evenly, its end left out; None for any others."""
+    """The period of loads, rad, if crank angles divide it evenly, its end left out.
+
+    None for others and a pushed driver.
+    """
     period = mechanism.linkage.load_period
     return None if mechanism.linkage.is_linear or not is_turn(places, period) else period
 

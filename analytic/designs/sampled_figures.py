@@ -74,7 +74,10 @@ class FigureRequest:
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, figure: Figure) -> bool:
-        """Whether a mean of samples is exact enough: the angles divide a turn, and S has its true zero."""
+        """Whether a mean may come from samples: their even number divides a period evenly, and the signal allows it.
+
+        Angles of links do not, nor does S with ``refine``.
+        """
         has_zero_at_sample = is_angle(figure.signal) or (figure.signal == "S" and not self.refine)
         return self.period is not None and len(self.crank_angles) % 2 == 0 and not has_zero_at_sample
 
@@ -132,7 +135,10 @@ class _Chunk:
         return result
 
     def _figures_of_samples(self, figures: Sequence[Figure]) -> Array:
-        """Extremes, values at angles and means of the samples, (figures, rows); means that are not settled are nan."""
+        """Extremes, values at angles and means of the samples, (figures, rows); means that are not settled are nan.
+
+        Extremes are refined between the samples if the request asks for it.
+        """
         result = np.full((len(figures), len(self.rows)), np.nan)
         extremes: MarkedExtremes = (
             {end: [] for quantity in figures for end in quantity.extremes} if self.request.refine else {}
@@ -182,8 +188,8 @@ class _Chunk:
     def _integrate(self, figures: Mapping[int, Figure], result: Array) -> None:
         """Replace doubtful means in ``result``, whose rows are the keys of ``figures``, by adaptive integrals.
 
-        So they are where a step may hide a spike beside a dead position. The reciprocals of the dyads' determinants are
-        integrated with the signals, for such a spike to be closed in on.
+        Doubtful are means that are nan, and those of designs in which a step may hide a spike beside a dead position.
+        The reciprocals of the dyads' determinants are integrated with the signals, for such a spike to be closed in on.
         """
         few = np.isnan(result[[*figures]]).any(axis=0) | self.doubtful
         left, names = np.flatnonzero(few & ~self.faulty), {quantity.signal for quantity in figures.values()}
@@ -212,7 +218,11 @@ class _Chunk:
                 result[row, here] = figure.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
-        """Signals of the designs ``here`` at crank angles (designs, angles), and which steps between are too coarse."""
+        """Signals of the designs ``here`` at crank angles (designs, angles), and which steps between are too coarse.
+
+        Marks designs in ``doubtful`` that may pass a dead position between; without ``refine`` sets where S counts
+        from.
+        """
         names = list(names)
         if "S" in names and not self.request.refine:
             self.farthest[here] = np.max(self._curves(here, phi, [OUTPUT_COORDINATE])[0][OUTPUT_COORDINATE], axis=1)
@@ -225,7 +235,10 @@ class _Chunk:
         return curves, with_neighbours(coarse)
 
     def _with_period_end(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
-        """Crank angles, rad, and signals with the end of the period: as at first, angles of links plus whole turns."""
+        """Crank angles (count, angles), rad, and signals with the end of the period, as at first.
+
+        Unchanged without one. Angles of links have whole turns added. ``sampled`` itself is changed.
+        """
         grid, period = self.request.grid, self.request.period
         if period is not None:
             for name, values in sampled.items():
@@ -234,7 +247,10 @@ class _Chunk:
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
     def _enter_corners(self, extremes: MarkedExtremes, here: Integers) -> None:
-        """Enter the corners of loads over φ as tops between the crank angles on either side."""
+        """Enter the corners of loads over φ as tops between the crank angles on either side.
+
+        Angles of links have none.
+        """
         grid = self.request.grid
         corners = load_corners(self.request.mechanism, float(grid[0]), float(grid[-1]))
         step = np.searchsorted(grid, corners)
@@ -266,7 +282,10 @@ class _Chunk:
                 self._enter_tops(extremes, sampled, here[some], phi[some])
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
-        """Signals of the designs ``here`` at crank angles (designs, angles), and determinants; sets ``faulty``."""
+        """Signals of the designs ``here`` at crank angles (designs, angles), by name, and the dyads' determinants.
+
+        Marks in ``faulty`` designs that cannot move there, unless only the output's coordinate is asked for.
+        """
         sources = {name: sampled_source(name) for name in names}
         samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
         if list(sources) != [OUTPUT_COORDINATE]:
@@ -323,7 +342,8 @@ def _reduce_samples(figure: Figure, values: Array) -> Array:
 def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
     """Where means of evenly spaced samples are exact: every second sample gives the same within a tolerance.
 
-    The tolerance is a share of the signal's RMS, its ``size``; the error for smooth signals is the gap squared.
+    ``whole`` and ``half`` are the means of all and of every second one. The tolerance is a share of the signal's RMS,
+    its ``size``; the error for smooth signals is the gap squared.
     """
     return np.abs(whole - half) <= SAME * size
 
@@ -334,7 +354,7 @@ def mean_cells(grid: Array, mechanism: Mechanism) -> Array:
 
 
 def unwrapped_near(values: Array, phi: Array, places: Array, samples: Array | None) -> Array:
-    """Values at ``phi`` (..., n) with the whole turns that ``samples`` at ``places`` show.
+    """Values at ``phi`` (..., n), rad, with the whole turns that ``samples`` at ``places`` show.
 
     Without ``samples``, for signals that are no angles of links, the values are unchanged.
     """

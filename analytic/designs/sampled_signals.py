@@ -102,7 +102,8 @@ class Designs:
     def in_blocks(self, size: int, work: Callable[[Integers, Sampler], None]) -> None:
         """Call ``work`` with the rows of up to ``size`` designs and their sampler, block by block, on all cores.
 
-        A design that cannot be assembled as its sketch shows it, where it has to be followed from there, is left out.
+        Without a list of operations a block is one design, and one that cannot be assembled as its sketch shows it is
+        left out.
         """
         self.zero_of_s  # noqa: B018 - known before threads ask for it
 
@@ -117,7 +118,7 @@ class Designs:
         in_threads(part, range(0, self.count, size if self.trace else 1))
 
     def _traced_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of the designs ``rows`` at ``phi``, computed from the list of operations."""
+        """Samples of the designs ``rows`` at ``phi``, rad, (rows, angles), computed from the list of operations."""
         trace = self.trace
         assert trace is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
@@ -145,7 +146,10 @@ class Designs:
 
     @cached_property
     def zero_of_s(self) -> Mapping[str, Array]:
-        """The output's top coordinate (designs,), m, from which S counts, by ``ZERO_OF_S``; {} without loads over S."""
+        """The output's top coordinate (designs,), m, from which S counts in loads, by ``ZERO_OF_S``.
+
+        {} without loads over S.
+        """
         if self.trace is None or ZERO_OF_S not in self.trace.trace.inputs:
             return {}
         turn, step = np.arange(TURN) * (FULL_TURN / TURN), FULL_TURN / TURN
@@ -196,7 +200,10 @@ class Designs:
             return None
 
     def _swept_samples(self, design: Mechanism, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of one design, posed by its mechanism, at ``phi``, of which all rows are equal."""
+        """Samples of one design, posed by its mechanism, at ``phi``, rad, of which all rows are equal.
+
+        ``rows`` gives its number.
+        """
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults, zero_of_s=design.zero_of_s)
         for body in design.structure.bodies if self.all_groups else ():
@@ -236,11 +243,11 @@ def evaluate_designs(
 
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
     ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
-    ``angle`` (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle.
-
-    Where a design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``,
-    which is returned besides; that counts for the links that the signals need. ``path`` is as for
-    ``analytic.machine_code.is_worthwhile``.
+    ``angle`` (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle. Where a
+    design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``, which is
+    returned besides; that counts for the links that the signals need. ``path`` is as for
+    ``analytic.machine_code.is_worthwhile``. Raises UnknownNameError for an unknown parameter or signal, LinkproofError
+    for wrong values.
     """
     places = np.asarray(angle, dtype=float)
     if places.ndim != 1 or not np.all(np.isfinite(places)):
@@ -280,16 +287,16 @@ FINEST: Final = 1e-8  # of all crank angles: two assembly modes that are not apa
 
 
 def are_steep(determinants: Array) -> Booleans:
-    """The steps between crank angles (designs, angles - 1) next to which a dead position may lie.
+    """Which steps between crank angles, (designs, angles - 1), a dead position may lie next to.
 
-    Of the dyads' ``determinants`` (dyads, designs, angles), magnitudes.
+    The dyads' ``determinants`` (dyads, designs, angles) are magnitudes.
     """
     before, after = determinants[..., :-1], determinants[..., 1:]
     return np.asarray(np.any(~(np.minimum(before, after) >= LEAST_RATIO * np.maximum(before, after)), axis=0))
 
 
 def with_neighbours(steps: Booleans) -> Booleans:
-    """Mark the neighbours of marked steps (designs, steps) as well."""
+    """A copy of ``steps`` (designs, steps) in which the neighbours of marked ones are marked as well."""
     near = steps.copy()
     near[:, 1:] |= steps[:, :-1]
     near[:, :-1] |= steps[:, 1:]
@@ -297,7 +304,10 @@ def with_neighbours(steps: Booleans) -> Booleans:
 
 
 def divided_steps(phi: Array, row: Integers, step: Integers, parts: int) -> Array:
-    """Crank angles (n, parts + 1), rad, that divide some steps of the designs' angles (designs, angles) evenly."""
+    """Crank angles (n, parts + 1), rad, that divide steps of the designs' angles ``phi`` (designs, angles) evenly.
+
+    Step ``step[i]`` of design ``row[i]`` makes row i.
+    """
     low, high = phi[row, step, None], phi[row, step + 1, None]
     return np.asarray(low + (high - low) * np.linspace(0.0, 1.0, parts + 1))
 
@@ -379,7 +389,7 @@ def _check_values(name: str, kind: str, values: Array) -> None:
 
 
 def _check_direction(name: str, x: Array, y: Array) -> None:
-    """Raise LinkproofError for a direction of length zero."""
+    """Raise LinkproofError for a direction of length zero in a design; ``name`` is the direction's."""
     size = np.hypot(x, y)
     if not np.all(size):
         first = int(np.argmin(size != 0.0))

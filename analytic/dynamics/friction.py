@@ -51,7 +51,7 @@ class Contact(NamedTuple):
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
-    """Each joint with friction: its friction per force, relative rate over φ, and unit loads."""
+    """Each joint with friction, as a ``Contact``: its friction per force, relative rate over φ, and unit loads."""
     linkage, friction = sweep.linkage, sweep.linkage.friction
     for pin in linkage.pins:
         if pin.point in friction:
@@ -91,10 +91,11 @@ def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tupl
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """Forces of all joints with friction, N, for a crank speed, rad/s, and acceleration, rad/s².
+    """Forces of all joints and the drive's torque, with friction, at a crank speed, rad/s, and acceleration, rad/s².
 
-    At rest, friction acts against a motion that would begin. A guide's force is the part across it. Raises
-    LinkproofError where the linkage is self-locking.
+    Forces are in N, the torque in N m. At rest, friction acts against a motion that would begin. A guide's friction
+    comes from the part of its force across it. Where the linkage is self-locking, raises LinkproofError or sets the
+    sweep's faults.
     """
     plain = joint_forces.reactions(sweep, speed, acceleration)
     if not sweep.linkage.friction:

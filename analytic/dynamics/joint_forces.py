@@ -76,14 +76,18 @@ class LinkBalance:
                 self._add_load(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
     def enter_outer_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
-        """Enter the wrench of an outer joint of a group on its far link; its reverse is a load on the near link."""
+        """Enter the wrench of an outer joint on its far link, and its reverse as a load in what the near link needs."""
         self.enter_wrench(joint, wrench)
         x, y, moment = wrench
         arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
         self._add_load(joint.near, (-x, -y), arm, -moment)
 
     def enter_wrench(self, joint: GroupJoint, wrench: Wrench) -> None:
-        """Enter the wrench of a joint as a load on its far body, and the reverse on the near body."""
+        """Enter the force of a joint, and its reverse, where those of its kind are kept, none as a load.
+
+        A pin's goes to ``at_pins`` for both bodies, a slide's to ``on_sliders``, the push of a cylinder, N, to
+        ``drive``.
+        """
         if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
         elif isinstance(joint, Revolute):
@@ -94,7 +98,10 @@ class LinkBalance:
             self.on_sliders[joint.slider] = (x, y) if joint.far == joint.slider else (-x, -y)
 
     def _add_load(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
-        """Enter a load on a body, its force (N) at an ``arm`` (m) from the reference point; ignored on the ground."""
+        """Enter a load on a body: force, N, at an ``arm``, m, from the reference point, and torque, N m.
+
+        None on the ground.
+        """
         if body != GROUND:
             x, y, moment = self.needs[body]
             self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
@@ -140,7 +147,7 @@ def reference_points(structure: Structure) -> dict[str, Vector]:
 
 
 def _pin_of_link(group: AnyGroup, body: str) -> Vector | None:
-    """A pin of a link, in its frame, to a placed body if there is one; None where the link has slides alone."""
+    """A pin of a link in its frame, m: one to a placed body if there is any; None where the link has slides alone."""
     pins = [joint for joint in group.joints if isinstance(joint, Revolute) and body in (joint.near, joint.far)]
     pins.sort(key=lambda joint: joint.near in group.links)
     return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)
@@ -214,7 +221,10 @@ def _wrenches_of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWr
 
 
 def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scalar]:
-    """The direction d in which a link's point moves on its outer joint, and the link's unmet load along it."""
+    """The direction d in which a link's point moves on its outer joint, and the load along it that joints must meet.
+
+    Of a pin d is the arm turned by 90°, m, and the load a moment, N m; of a slide a unit vector and a force, N.
+    """
     need = balance.needs[outer.far]
     if isinstance(outer, Revolute):
         return frames.across(balance.arm(outer.far, at)), need[2]
@@ -278,7 +288,7 @@ def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterato
 
 
 def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
-    """Unit reactions of a joint's unknowns: a pin's x and y, a slide's force and moment, a cylinder's push."""
+    """A unit reaction for each unknown of a joint: a pin's x and y, a slide's force and moment, a cylinder's push."""
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
         for force in ((1.0, 0.0), (0.0, 1.0)):
@@ -320,15 +330,16 @@ class Reactions:
 
 
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
-    """Forces of all joints, without friction, for a crank speed ω (rad/s) and acceleration ε (rad/s²).
+    """Forces of all joints and the drive's torque, without friction, at a crank speed ω and acceleration ε.
 
-    Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises as ``reactions_to`` does.
+    These, rad/s and rad/s², are signed, of the sweep's shape or scalar; zeros give the static forces. Raises as
+    ``reactions_to`` does.
     """
     return reactions_to(sweep, all_loads(sweep, speed, acceleration))
 
 
 def reactions_to(sweep: Sweep, loads: Iterable[Load]) -> Reactions:
-    """Forces of all joints, N, and the drive's share, that hold these loads on the links.
+    """Forces of all joints, N, and the drive's torque, N m, or force, N, that hold these loads on the links.
 
     Raises AssemblyError where the linkage cannot be put together or stands in a dead position. Beside a change point
     that the linkage passes forces grow as the reciprocal of the distance, unless nothing loads the group; at the point

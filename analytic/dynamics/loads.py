@@ -39,7 +39,7 @@ class Load:
         return Load(self.body, self.at, force, None if self.torque is None else factor * self.torque)
 
     def power(self, sweep: Sweep) -> Scalar:
-        """The load's power at unit speed of the driver, N m."""
+        """The load's power at unit speed of the driver, N m of a crank, N of a driver that is pushed."""
         turned = None if self.torque is None else self.torque * sweep.rates(self.body)[2]
         if self.force is None:
             return turned
@@ -52,7 +52,7 @@ Elastic = Spring | TorsionSpring
 
 
 def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
-    """Every load while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²).
+    """Every load while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²), joint friction apart.
 
     Both are signed, of the sweep's shape or scalar.
     """
@@ -114,7 +114,7 @@ def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) ->
 
 
 def elastic_loads(sweep: Sweep) -> Iterator[tuple[Elastic, Between]]:
-    """Each spring with its pair of loads, without that of its dashpot."""
+    """Each spring and torsion spring with its pair of loads, without that of its dashpot."""
     for spring in sweep.linkage.springs:
         span = _span(sweep, spring)
         yield spring, _pull(sweep, spring, spring.stiffness * (1.0 - spring.length * _inverse_length(span)))
@@ -133,7 +133,7 @@ def stored_energy(sweep: Sweep) -> Scalar:
 
 
 def drags(sweep: Sweep) -> Iterator[Between]:
-    """The loads of dashpots and dampers at unit speed of the driver, N and N m."""
+    """For each dashpot and damper its pair of loads at unit speed of the driver, N and N m."""
     for spring in sweep.linkage.springs:
         if not frames.is_zero(spring.damping):
             span = _span(sweep, spring)
@@ -158,7 +158,7 @@ def _inverse_length(span: Pair) -> Scalar:
 
 
 def _pull(sweep: Sweep, spring: Spring, per_length: Scalar) -> Between:
-    """A pull along the line between a spring's ends, N, as ``per_length``, N/m, times the spring's length."""
+    """The pair of loads of a pull along the line between a spring's ends: ``per_length``, N/m, times its length."""
     (first, second), span = spring.links, _span(sweep, spring)
     near, far = (sweep.linkage.local(point, body) for point, body in zip(spring.points, spring.links, strict=True))
     force = (per_length * span[0], per_length * span[1])

@@ -79,7 +79,7 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
 
 
 def group_inertia(sweep: Sweep) -> dict[str, Array]:
-    """Jeq of the crank and of every Assur group, by the group's name."""
+    """Jeq, kg m², (...), of the crank and of every Assur group, by name, as "crank (class I)"."""
     linkage = sweep.linkage
     parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)} if linkage.crank else {}
     for group in sweep.structure.groups:
@@ -115,7 +115,10 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
 
 
 def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Elastic, Array]]:
-    """Each force, torque and spring with its generalised force over φ, N m."""
+    """Each force, torque and spring with its generalised force over φ, N m; dashpots and dampers are left out.
+
+    Loads of one direction act by the sign of ``speed``.
+    """
     for load in sweep.linkage.applied:
         yield load, power(sweep, applied_loads(sweep, load, speed))
     for spring, both in elastic_loads(sweep):
@@ -123,7 +126,7 @@ def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointFor
 
 
 def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain or traced
-    """The power of loads at unit speed of the driver, N m."""
+    """The power at unit speed of the driver, N m, of one load or more together."""
     first, *rest = (load.power(sweep) for load in loads)
     return sum(rest, first)
 
@@ -253,7 +256,7 @@ class EquationOfMotion:
         return np.asarray(moment - speed * (damping + slope * speed))
 
     def push(self, time: ArrayLike, angle: ArrayLike) -> Array:
-        """The part of φ̈ that the torque over time adds, rad/s², at instants, s, and crank angles, rad, of one shape."""
+        """The part of φ̈ that the torque over time adds, rad/s², at instants, s, and angles, rad, of one shape."""
         if self.over_time is None:
             return np.zeros(np.shape(time))
         return np.asarray(self.over_time(time) * self.terms(np.asarray(angle, dtype=float))[3])
@@ -269,7 +272,10 @@ class EquationOfMotion:
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The equation read from a table over its period, which is faster; unchanged for a crank without full turns."""
+        """The equation read from a table over its period, which is faster; itself for a crank without full turns.
+
+        ``degree`` is that of the table's polynomials.
+        """
         if self.mechanism.linkage.is_linear:
             return self
         try:
@@ -282,7 +288,10 @@ class EquationOfMotion:
 def equation_of_motion(
     mechanism: Mechanism, torque: float | Law = 0.0, over_time: TimeLaw | None = None
 ) -> EquationOfMotion:
-    """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides."""
+    """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides.
+
+    Raises LinkproofError where it has no solution: Jeq is 0 somewhere, a joint has friction, or a load acts one way.
+    """
     _check_inertia(mechanism)
     if mechanism.linkage.friction:
         raise LinkproofError(
@@ -325,7 +334,7 @@ def _check_inertia(mechanism: Mechanism) -> None:
 
 
 def crank_torque(torque: float | Law) -> Law:
-    """A crank torque, N m, as a law of φ; a number becomes a constant law."""
+    """A crank torque, N m, as a law of φ; a number becomes a constant law. Raises LinkproofError unless finite."""
     law = torque if isinstance(torque, Law) else Law(np.array([torque], dtype=float))
     if not np.all(np.isfinite(law.values)):
         raise LinkproofError("crank torque: expected finite numbers in N m, got nan or infinity; correct them")
@@ -350,11 +359,11 @@ class Equilibrium(NamedTuple):
 
 
 def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilibrium, ...]:
-    """Every angle at which the moment on the crank changes sign, in increasing order.
+    """Every value of φ at which the moment on the crank changes sign, in increasing order.
 
-    ``torque`` is M1, N m, a number or a law of φ. Empty without an equilibrium: the torque outweighs the loads,
-    or there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver
-    that is pushed; two angles nearer to each other than half a degree may be missed.
+    ``torque`` is M1, N m, a number or a law of φ. Empty without an equilibrium: the torque outweighs the loads, or
+    there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver that
+    is pushed; two angles nearer to each other than half a degree may be missed.
     """
     law = crank_torque(torque)
 
@@ -417,14 +426,17 @@ def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
 
 
 def near_load_jumps(mechanism: Mechanism, angle: Array) -> Booleans:
-    """Which values of φ (n,), rad or m, are where friction turns back or a load of one way sets in, and forces jump."""
+    """Which values of φ (n,), rad, are within 1e-4 rad of where forces jump, True there.
+
+    Friction turns back, or a load of one way sets in.
+    """
     away = np.asarray(angle)[:, None] - [*_reversals(mechanism), *_turning_places(mechanism)]
     away -= mechanism.period * np.round(away / mechanism.period)
     return np.asarray(np.any(np.abs(away) <= NEAR_JUMP, axis=1))
 
 
 def _turning_places(mechanism: Mechanism) -> list[float]:
-    """The dead centres, rad, where a load that acts one way sets in; [] without a full turn."""
+    """The dead centres, rad, if a load acts one way, since it sets in there; [] if none does or without a full turn."""
     directed = any(law.when for law in mechanism.linkage.laws)
     return (
         [centre.angle for centre in dead_centres(mechanism)] if directed and top_of_turn(mechanism) is not None else []

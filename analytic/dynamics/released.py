@@ -83,7 +83,7 @@ class FreeMotion:
         return float(highest(size, instants, size(instants))[0][0])
 
     def _instants(self, count: int) -> Array:
-        """``count`` instants in each window and all windows' ends, s."""
+        """``count`` instants, evenly spaced, in each window, and the last window's end, s."""
         starts = self.windows.starts
         inside = starts[:-1, None] + np.diff(starts)[:, None] * np.linspace(0.0, 1.0, count, endpoint=False)
         return np.append(inside.ravel(), starts[-1])
@@ -166,7 +166,10 @@ def free_motion(
 def follow(
     equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
 ) -> FreeMotion:
-    """Integrate an equation of motion that may be tabulated already; arguments as for ``free_motion``."""
+    """Integrate an equation of motion that may be tabulated already; arguments as for ``free_motion``.
+
+    Raises LinkproofError where the motion cannot be followed.
+    """
     start = (start_angle, start_speed)
     windows = _integrate_windows(equation, start, duration, NODES, tolerance)
     timed = equation.over_time is not None and any(equation.over_time.torque)
@@ -260,7 +263,7 @@ class Rotation:
 
 
 def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
-    """The rotation in the last whole turns of a motion; raises LinkproofError if it did not make them."""
+    """The rotation in the last ``turns`` whole turns of a motion; raises LinkproofError if it did not make them."""
     end, whole = float(motion.angle(motion.duration)), turns * FULL_TURN
     direction = 1.0 if end > float(motion.angle(0.0)) else -1.0
     start = _last_passage(motion, end - direction * whole)
@@ -273,7 +276,7 @@ def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
 
 
 def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotation:
-    """Mean speeds, rad/s, over time and over φ, and the extreme speeds, between two instants, s."""
+    """Mean speeds, rad/s, over time and over φ, and the extreme speeds, between two instants, s, ``turns`` apart."""
 
     def speed(phase: Array) -> Array:
         """Speed, rad/s, at a phase of 0 to 2π, which spans the time from ``start`` to ``end``."""
@@ -323,7 +326,10 @@ def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
 
 
 def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | None:
-    """The rotation whose speed a turn brings back, found by secants from ``speed``; None if the crank stalls."""
+    """The rotation whose speed a turn brings back, found by secants from ``speed``, rad/s; None if there is none.
+
+    The crank stalls, or the search has not settled.
+    """
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
         turn = None if _stalls(equation, speed) else _one_turn(equation, speed)
@@ -342,7 +348,10 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
 
 
 def _one_turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
-    """One turn from φ = 0 at a speed, rad/s, and its time, s; None if the crank does not get round."""
+    """A motion from φ = 0 at a speed, rad/s, and when, s, it has made one turn.
+
+    None if the crank does not get round.
+    """
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):
         motion = follow(equation, 0.0, speed, duration, TOLERANCE)

@@ -42,7 +42,10 @@ class GroupBranch:
         return float(self.coordinate[0]), float(self.coordinate[-1])
 
     def wrapped(self, coordinate: Array) -> Array:
-        """φ shifted by whole turns of a crank into the range of the nodes; of a linear driver as it is."""
+        """φ shifted by whole turns of a crank into the range of the nodes, or nearest to its middle.
+
+        Of a linear driver as it is.
+        """
         if self.is_linear:
             return coordinate
         low, high = self.ends
@@ -65,7 +68,10 @@ class GroupBranch:
 
 
 def quintic(places: Array, state: Array, at: Array) -> Array:
-    """Hermite's quintics through both neighbours' values and derivatives (``state``), at ``at`` (n,): (n, links, 3)."""
+    """Hermite's quintics through both neighbours' values and derivatives (``state``), at ``at`` (n,): (n, links, 3).
+
+    Beyond the outermost places the value is theirs.
+    """
     if len(places) == 1:
         return np.repeat(state[:, 0], len(at), axis=0)
     left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)
@@ -172,7 +178,10 @@ class ChangePoints:
                 yield patch, known[key]
 
     def moves(self, angle: Any, away: Any, known: Windows) -> Any:  # noqa: ANN401
-        """Where the dyad can move: where ``away`` from dead positions, and everywhere within patches."""
+        """Whether the dyad can move at each crank angle, rad: where ``away`` is True, and within patches.
+
+        ``away`` says which angles are far enough from dead positions.
+        """
         result = np.empty(np.shape(angle), dtype=bool)
         result[...] = away
         for _, window in self.patches_at(angle, known):
@@ -180,7 +189,10 @@ class ChangePoints:
         return result
 
     def with_series(self, angle: Any, order: int, pair: tuple[Any, Any], known: Windows) -> tuple[Any, Any]:  # noqa: ANN401
-        """Poses of both links, or derivatives, from ``pair``, within patches replaced by the series."""
+        """The poses of both links, or their derivatives of an ``order``: ``pair``, but the series within patches.
+
+        The two are returned as they are where no crank angle, rad, lies in a patch.
+        """
         result, size = None, len(pair[0])
         for patch, window in self.patches_at(angle, known):
             if result is None:
@@ -192,7 +204,7 @@ class ChangePoints:
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
     def move_out_of_patches(self, angle: Array) -> None:
-        """Move crank angles within patches to the nodes that determine the series there.
+        """Move crank angles, rad, that lie within patches, in place, to the nodes that determine the series there.
 
         The series are no worse than the closed form at the edges of the patch or, where the machine has no extended
         precision, at the nodes nearest to the change point.
@@ -222,7 +234,7 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 
 
 def nearest_to_sketch(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
-    """The number of the configuration nearest to the sketch, and None, or points to add where that is unclear."""
+    """The index of the configuration nearest to the sketch, and None; where that is unclear, names of points to add."""
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
         for configuration in places

@@ -71,7 +71,7 @@ def with_change_points(structure: Structure, angle: float) -> tuple[Structure, t
 
 
 def is_followed(structure: Structure) -> bool:
-    """Whether the linkage is followed through change points; a driver that is pushed ends its range there."""
+    """Whether the linkage is followed through change points: its driver turns and no group is numerical."""
     return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
@@ -93,7 +93,10 @@ class _Chain:
         self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
     def poses_before(self, dyads: Sequence[ClosedGroup]) -> list[dict[str, Any]]:
-        """The poses, by body, once these dyads are solved: a mapping for every order of derivative."""
+        """The poses, by body, once these dyads are solved: a mapping for every order of derivative.
+
+        Notes in ``fails`` where one of them cannot be assembled.
+        """
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
             touches = [patch.touch for patch in patches]
@@ -106,7 +109,10 @@ class _Chain:
         return self.known
 
     def solve(self, dyad: ClosedGroup, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
-        """Solve a dyad on what is known and add its links' poses; ``touches`` fix lengths that just meet."""
+        """Solve a dyad, enter its links' motion in ``known``, and return its solver.
+
+        ``touches`` fix lengths that just meet.
+        """
         solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
             solver.form.snap_to_touch(touch.margin, touch.gap)
@@ -156,7 +162,10 @@ class _ChangePointSearch:
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
 
     def _touches(self, number: int) -> Iterator[Touch]:
-        """The touches at which the dyad's margin of reach comes down to zero, by crank angle."""
+        """The touches at which the dyad's margin of reach comes down to zero, in the order of the crank angle.
+
+        Those that merge are noted as undetermined instead.
+        """
         share = self._relative_margin(number, self.grid)
         around = np.concatenate([share[-1:], share, share[:1]])
         for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
@@ -178,7 +187,10 @@ class _ChangePointSearch:
         return self.beside[key]
 
     def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
-        """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m."""
+        """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m.
+
+        The margin is infinite where the dyad, or one before it, cannot be placed.
+        """
         poses = chain.poses_before(self.dyads[:number])[0]
         solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
@@ -190,7 +202,8 @@ class _ChangePointSearch:
     def _find_touch(self, number: int, angle: float) -> Touch | None:
         """The touch within a grid step of a crank angle, rad; None where the margin does not reach zero.
 
-        Where an earlier search has a centre at which this dyad touches too, the angle is that centre's.
+        Where an earlier search has a centre at which this dyad touches too, the angle is that centre's; a new centre is
+        kept for later searches.
         """
         for near in self.centres:
             if abs(_within_half_turn(near.angle[0] - angle)) < FULL_TURN / GRID:
@@ -221,7 +234,11 @@ class _ChangePointSearch:
         return Touch(chain.angle[0], *(part[0] for part in self._margin(number, chain)))
 
     def _patch(self, number: int, touch: Touch, apart: float) -> Patch:
-        """The widest patch whose series end in rounding, or the one whose series come nearest to it."""
+        """The widest patch about a touch whose series end in rounding, or the one whose series come nearest to it.
+
+        Half of it is at most ``APART`` of ``apart``, the distance to the next change point, rad, or else the least of
+        ``WIDTHS``.
+        """
         best: tuple[float, Patch] | None = None
         for half in WIDTHS:
             if half > APART * apart and half != WIDTHS[-1]:
@@ -237,7 +254,10 @@ class _ChangePointSearch:
         return best[1]
 
     def _series(self, number: int, touch: Touch, half: float) -> Iterator[Any]:
-        """For each order, the coefficients (NODES, parts) of series through a change point of both links."""
+        """For each order, the coefficients (NODES, parts) of both links' series about a change point.
+
+        The patch reaches ``half``, rad, to either side.
+        """
         dyad = self.dyads[number]
         half_turn = np.arccos(np.longdouble(-1.0))  # π of extended precision
         places = np.cos(half_turn * (np.arange(NODES, dtype=np.longdouble) + 0.5) / NODES)

@@ -70,7 +70,10 @@ class CrankRange:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """The lowest and the highest crank angle, rad; of a full turn, the turn that begins at ``start``."""
+        """The lowest and the highest φ, rad or m; of a full turn, the turn that begins at ``start``.
+
+        Of a pushed driver an end that nothing limits lies ``reach`` from the start.
+        """
         if self.phi.is_linear:
             low = self.start - self.reach if self.low is None else self.low.angle
             return low, self.start + self.reach if self.high is None else self.high.angle
@@ -79,7 +82,10 @@ class CrankRange:
         return self.low.angle, self.high.angle
 
     def check(self, first: float, last: float, linkage: str) -> None:
-        """Raise AssemblyError where a motion from one crank angle to another, rad, leaves the range."""
+        """Raise AssemblyError where a motion from ``first`` to ``last``, rad or m, leaves the range.
+
+        ``linkage`` is the name.
+        """
         if self.is_full_turn:
             return
         low, high = self.limits
@@ -145,7 +151,7 @@ class _Margins:
         self.offsets = self.radian * np.concatenate(steps)
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
-        """The solvers of all groups at crank angles, rad, assembled or not."""
+        """The solvers of all groups at φ, rad or m, their poses worked out, whether the links meet or not."""
         poses = driver_poses(self.structure, angle)
         windows: Windows = {}
         solvers = [solver_of(group, angle, windows) for group in self.structure.groups]
@@ -156,7 +162,8 @@ class _Margins:
     def margins(self, offset: Array) -> Array:
         """Each group's remaining length over the lengths it comes from, (groups, ...); negative where it fails.
 
-        The margin of two crossing lines is the sine of their angle. Behind a group that fails margins have no meaning.
+        ``offset`` counts from the start, rad or m. The margin of two crossing lines is the sine of their angle. Behind
+        a group that fails, margins are infinite.
         """
         rows = np.full((len(self.signs), *offset.shape), np.inf)
         fails = np.zeros(offset.shape, dtype=bool)
@@ -173,7 +180,7 @@ class _Margins:
         return rows
 
     def toggle(self, offset: float, row: int) -> Toggle:
-        """The limit at an offset, rad, from the start: the group numbered ``row`` and the position of its links."""
+        """The limit at an offset, rad or m, from the start: the group numbered ``row`` and how its links stand."""
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
             return Toggle(self.start + offset, solver.group, f"its links stand {DEAD}")
@@ -202,7 +209,11 @@ class _Margins:
         return self.toggle(at, row)
 
     def _minima_below(self, offsets: Array, margins: Array, least: float) -> Array:
-        """Offsets at minima of a group's margin, refined between samples, where it is below ``least``."""
+        """Offsets at minima of a group's margin, refined between samples, where it is below ``least``.
+
+        ``margins`` (groups, n) are those at ``offsets``. Bends at change points, which the linkage passes, are left
+        out.
+        """
         inner = margins[:, 1:-1]
         low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
         seen = offsets[1:-1][np.any(low, axis=0)]
@@ -220,7 +231,7 @@ class _Margins:
         return np.concatenate([seen, spots[heights < least]])
 
     def _zero_of_margin(self, row: int, good: float, end: float) -> float:
-        """The offset at which a group's margin is zero or touches it, between ``good`` and ``end``."""
+        """The offset at which the margin of group ``row`` is zero or touches it, between ``good`` and ``end``."""
 
         def margin(offset: float) -> float:
             """The margin of the group numbered ``row`` at one offset from the start, rad."""

@@ -23,7 +23,10 @@ class DeadCentre:
 
 @once_per_mechanism
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
-    """Every reversal of the output over one turn, by crank angle."""
+    """Every reversal of the output over one turn, by crank angle.
+
+    Raises LinkproofError where the output stands still.
+    """
     angles = mechanism.output_reversals
     if not len(angles):
         raise _still_output(mechanism)

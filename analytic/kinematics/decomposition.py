@@ -169,7 +169,7 @@ def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
 
 
 def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
-    """The sides of the largest of the shortest closed contours through each joint between links of the group, or 3."""
+    """The most links in the shortest closed contour through an inner joint of the group, and at least 3."""
     pairs = {(j.near, j.far) for j in joints if j.near in links and j.far in links}
     return max([3, *(_contour_length(pair, pairs) for pair in pairs)])
 
@@ -240,7 +240,10 @@ class _PlacedBodies:
                 yield DrivenDistance(near_end[1], far_end[1], *locals_)
 
     def group(self, *links: str) -> AnyGroup:
-        """The group that these links form with the placed bodies."""
+        """The group that these links form with the placed bodies.
+
+        Raises StructureError where three slides or more joints hold it.
+        """
         joints = tuple(self.joints(*links))
         outer, driver = joints[0], joints[-1]
         if isinstance(driver, DrivenDistance) and len(links) == 1 and not isinstance(outer, DrivenDistance):

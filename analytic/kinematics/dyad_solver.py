@@ -36,7 +36,7 @@ class DyadSolver:
         self.link_poses: tuple[Pose, ...]  # of both sides; of the driving cylinder, which is no link, None
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
-        """Poses of the links; nan where the links do not meet."""
+        """Poses of the links, nan where they do not meet; keeps them, and where they can move, for the derivatives."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.poses(self._of_hosts(poses))
             self.moves = self._moves()
@@ -102,7 +102,8 @@ def check_assembly(
 ) -> None:
     """Raise AssemblyError at the worst crank angle if the group's links do not meet somewhere; poses must be known.
 
-    With ``faults``, of the angles' shape, these are set True there instead.
+    With ``faults``, of the angles' shape, these are set True there instead. Raises LinkproofError for an angle that is
+    not finite.
     """
     if np.all(solver.moves):  # else a longer look: a dead position is no fault of assembly
         return

@@ -71,7 +71,10 @@ class Rod:
         return frames.across(frames.arm(link, self.arm))
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative over φ of the point that counts if the link did not turn, m/rad."""
+        """First derivative over φ of the point that counts if the link did not turn, m/rad.
+
+        Keeps the host's rate for the second.
+        """
         self.host_rate, self.base_rate = host, frames.point_rate(self.host, host, self.near)
         return self.base_rate
 
@@ -85,7 +88,10 @@ class Rod:
         return self.x
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of the point that counts if the angle had no slope x': A'' − θ'² r."""
+        """Second derivative of the point that counts if the angle had no slope x': A'' − θ'² r.
+
+        Keeps the pin's, A''.
+        """
         self.base_second = frames.point_acceleration(self.host, self.host_rate, host, self.near)
         square = self.x * self.x
         return (self.base_second[0] - square * self.r[0], self.base_second[1] - square * self.r[1])
@@ -137,7 +143,10 @@ class Rail:
         return self.host_rate[2]
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of the host's point that is just now here, with the Coriolis term of the travel."""
+        """Second derivative of the host's point just now at ``point``, with the Coriolis term.
+
+        Keeps the host's motion.
+        """
         self.host_second = host
         carried = frames.carried_acceleration(self.host, self.host_rate, host, point)
         if frames.is_still(self.host_rate):
@@ -216,15 +225,22 @@ class _DyadForm:
         return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Length, m, by which the links reach beyond meeting, negative if short, and the lengths it comes from."""
+        """For guides: 1 where they cross by more than rounding, −1 where they are parallel, and 0 in place of lengths.
+
+        Other forms give the length, m, by which the links reach beyond meeting, negative if short, and the lengths it
+        comes from.
+        """
         return np.sign(abs(self.determinant) - ROUNDING), 0.0
 
     def gap(self) -> Scalar:
-        """Distance of two outer pins, m; infinite where there is only one."""
+        """Distance of the two outer pins, m; infinite for these forms, which have not two."""
         return math.inf
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take lengths with which the links just touch, where a ``margin``, m, is a rounding of zero."""
+        """Where a ``margin``, m, is a rounding of zero, set lengths with which the links just touch.
+
+        Nothing for guides.
+        """
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """Why the links do not meet, as a fault and a sentence on the link, the length it misses and the remedy.
@@ -252,7 +268,10 @@ class _PinDyad(_DyadForm):
         return self.meet()
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:
-        """First derivatives of the links' poses from those of the hosts."""
+        """First derivatives of the links' poses from those of the hosts.
+
+        ``links`` are the poses, None for a cylinder.
+        """
         carried = [side.carried(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         self.scale = frames.inverse(self.determinant)
         first, second = self.sides
@@ -260,7 +279,7 @@ class _PinDyad(_DyadForm):
         return tuple(link and side.rate(link) for side, link in zip(self.sides, links, strict=True))
 
     def seconds(self, hosts: Rates, links: Poses) -> Rates:
-        """Second derivatives of the links' poses from those of the hosts."""
+        """Second derivatives of the links' poses from those of the hosts; the first ones must be known."""
         carried = [side.carried_twice(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         slopes = zip(self.sides, links, self._solved(carried), strict=True)
         return tuple(link and side.second(link, slope) for side, link, slope in slopes)

@@ -55,7 +55,10 @@ class ErrorBounds:
         return self.motions[body]
 
     def point(self, body: str, local: Vector, order: int = 0) -> Array:
-        """Bound on the error of a point of a body, m, or of its derivative of order 1 or 2; one per crank angle."""
+        """Bound on the error of a point of a body, m, or of its derivative of order 1 or 2; one per crank angle.
+
+        Infinite where there is none.
+        """
         motion = self.motion_with_errors(body)
         with np.errstate(invalid="ignore"):
             x, y = (bound_of(part) for part in point_derivative(motion, local, order))
@@ -102,7 +105,7 @@ class ErrorBounds:
         return np.asarray(EPS * np.max(rows / scales, axis=1)[:, None] * scales)
 
     def _reach(self, group: AnyGroup, poses: dict[str, Any]) -> Array:
-        """Largest distance, m, in the group over which an error of an angle acts."""
+        """Largest distance, m, in the group over which an error of an angle acts, for every crank angle."""
         reaches = [np.zeros(self.sweep.angle.shape)]
         for joint in group.joints:
             if isinstance(joint, Prismatic):
@@ -143,10 +146,10 @@ def _with_curvature(inverse: Array, linear: Array, reach: Array, distances: Arra
 
 
 def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
-    """Bounds for positions, first and second derivatives, each relative to its peak.
+    """Bounds on the errors of positions, first and second derivatives, each relative to its peak.
 
     The worst over all named points and mass centres of all links and over the sweep's crank angles, divided by the
-    largest magnitude of the same. Without a bound of a position, later bodies and derivatives have no bound either.
+    largest magnitude of the same; all infinite where a position has no bound.
     """
     bounds = ErrorBounds(sweep)
     errors, peaks = np.zeros(ORDERS), np.zeros(ORDERS)
@@ -161,7 +164,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
 
 
 def _named_points(sweep: Sweep) -> Iterator[tuple[str, Vector]]:
-    """Named points and mass centres of all links, in the order in which these are solved."""
+    """Each named point and mass centre of all links, in the order in which these are solved: link and place, m."""
     solved = [sweep.linkage.crank, *(body for group in sweep.structure.groups for body in group.links)]
     for body in solved:
         if body in sweep.linkage.links:

@@ -26,17 +26,17 @@ STILL: Rate = (0.0, 0.0, 0.0)  # the ground's; compared by identity, to skip wor
 
 
 def is_zero(scalar: Scalar) -> bool:
-    """Whether a factor or summand is the plain number 0, as on a guide along an axis, so that it can be left out."""
+    """Whether a factor or summand is the plain float 0, as on a guide along an axis, so that it can be left out."""
     return type(scalar) is float and scalar == 0.0
 
 
 def is_one(scalar: Scalar) -> bool:
-    """Whether a factor is the plain number 1, so that multiplying by it can be saved."""
+    """Whether a factor is the plain float 1, so that multiplying by it can be saved."""
     return type(scalar) is float and scalar == 1.0
 
 
 def is_origin(local: Vector) -> bool:
-    """Whether a point is the origin of its frame."""
+    """Whether a point is the origin of its frame, by plain zeros."""
     return is_zero(local[0]) and is_zero(local[1])
 
 
@@ -112,7 +112,10 @@ def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -
 
 
 def acceleration_through(pose: Pose, second: Pair, turn_rate: Scalar, turn_second: Scalar, local: Vector) -> Rate:
-    """Second derivative of a body whose point ``local`` has the given second derivative."""
+    """Second derivative of the pose of a body whose point ``local`` has the second derivative ``second``.
+
+    ``turn_rate`` and ``turn_second`` are the first and second derivative of its angle.
+    """
     if is_origin(local) or (is_zero(turn_rate) and is_zero(turn_second)):
         return (second[0], second[1], turn_second)
     r = arm(pose, local)
@@ -154,7 +157,7 @@ def cross(a: Pair, b: Pair) -> Scalar:
 
 
 def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
-    """Derivative of the point of a body that is just now at ``position``."""
+    """First derivative over φ of the point of a body that is just now at ``position``."""
     if is_still(rate):
         return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])
@@ -162,7 +165,7 @@ def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
 
 
 def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: Pair) -> Pair:
-    """Second derivative of the point of a body that is just now at ``position``."""
+    """Second derivative over φ of the point of a body that is just now at ``position``."""
     if is_still(acceleration):
         return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])

@@ -54,7 +54,7 @@ def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
 
 
 def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
-    """The vector from the near body's point to the far body's, and its derivatives up to an order."""
+    """The vector from the near body's point to the far body's, m, and its derivatives over φ up to ``order``."""
     return [
         frames.minus(point_derivative(far, far_point, k), point_derivative(near, near_point, k))
         for k in range(order + 1)
@@ -62,7 +62,7 @@ def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pa
 
 
 def _direction_derivatives(near: Motion, along: Pair, order: int) -> list[Pair]:
-    """A direction fixed in a body, and its derivatives up to an order."""
+    """A direction ``along``, fixed in a body, in the ground frame, and its derivatives over φ up to an order."""
     e = frames.arm(near[0], along)
     lines = [e]
     if order:
@@ -75,7 +75,10 @@ def _direction_derivatives(near: Motion, along: Pair, order: int) -> list[Pair]:
 
 
 def _angle_equation(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
-    """The far frame's angle less the near one's and a constant: its sine, then its derivatives."""
+    """The sine of the far frame's angle less the near one's and ``turn`` (cos, sin).
+
+    Of an order above 0, the angles' derivative.
+    """
     if order:
         return far[order][2] - near[order][2]
     c, s = frames.turned(near[0], turn)
@@ -111,7 +114,10 @@ def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[
 
 
 def _enter_jacobian(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
-    """Enter a joint's rows for one of its bodies into ``block``."""
+    """Enter a joint's derivatives by x, y and θ of one of its bodies into ``block``.
+
+    ``sign`` is 1 for the far body, else −1.
+    """
     if isinstance(joint, Revolute):
         x, y = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
         block[:, 0, 0] = block[:, 1, 1] = sign

@@ -73,7 +73,10 @@ class BranchNode:
 
 
 def newton(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Array:
-    """Newton's method from guesses (n, links, 3), m and rad; nan where it fails or goes farther than ``farthest``."""
+    """Newton's method from guesses (n, links, 3), m and rad; nan where it fails or its first step exceeds ``farthest``.
+
+    ``farthest`` is in units of length and rad.
+    """
     here, before = guess, np.full(system.count, np.inf)
     scale = np.array([system.columns[0], system.columns[0], 1.0])
     done = np.zeros(system.count, dtype=bool)
@@ -93,7 +96,10 @@ def newton(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Arr
 
 
 def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
-    """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``; raises AssemblyError."""
+    """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``.
+
+    Raises AssemblyError in a dead position.
+    """
     first = _node(problem, start[None], coordinate, math.inf)
     if first is None:
         raise AssemblyError(f"{problem.links}: the start is in a dead position")
@@ -114,13 +120,19 @@ def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBra
 
 
 def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
-    """The branch through these nodes; ``turns`` as from ``_gains_over_turn``, ``strays`` if it leaves its course."""
+    """The branch through these nodes.
+
+    ``turns`` as from ``_gains_over_turn``, ``strays`` if a turn ends in another configuration.
+    """
     places = np.array([node.coordinate for node in nodes])
     return GroupBranch(places, np.stack([n.state for n in nodes]), problem.unit, turns, problem.is_linear, strays)
 
 
 def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) -> BranchNode | None:
-    """The node of the configuration nearest to a guess (1, links, 3) at φ; None if it is farther than ``farthest``."""
+    """The node of the configuration nearest to a guess (1, links, 3) at φ.
+
+    None without one within ``farthest``, or in a dead position.
+    """
     try:
         system = problem.system(np.array([coordinate]))
     except AssemblyError:
@@ -136,7 +148,7 @@ def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) ->
 
 
 def _nodes_towards(problem: Problem, start: BranchNode, end: float) -> tuple[list[BranchNode], bool]:
-    """Nodes of the branch from ``start`` towards φ = ``end``, and whether they reach it."""
+    """Nodes of the branch from ``start``, itself the first, towards φ = ``end``, and whether they reach it."""
     nodes = [start]
     direction, largest = (1.0 if end >= start.coordinate else -1.0), LARGEST_STEP * problem.radian
     step = largest / 4.0
@@ -175,7 +187,10 @@ def _gains_over_turn(nodes: list[BranchNode], unit: float) -> Array | None:
 
 
 def _refine(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
-    """The branch with nodes added in the middle of intervals whose quintic is not near there."""
+    """The branch with nodes added in the middle of intervals whose quintic is not near there.
+
+    ``side`` is the sign of det Φ_q.
+    """
     places, state = branch.coordinate, branch.state
     left = np.arange(len(places) - 1)
     for _ in range(LEVELS):
@@ -227,7 +242,10 @@ class GroupSolver:
         return self.group.branch
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
-        """Poses of the links; nan where they do not meet in this configuration."""
+        """Poses of the links; nan where they do not meet in this configuration.
+
+        Sets ``moves``, True where they do, and keeps the poses for the derivatives.
+        """
         self.known = [poses, {}, {}]
         self.place = newton(self._system(), self.branch.guess(self.coordinate))
         outside = self.branch.margin(self.coordinate) < 0.0
@@ -352,7 +370,10 @@ def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, V
 
 
 def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
-    """Coordinates to start from, (starts, links, 3): the sketch's if known, then with growing disturbances."""
+    """Coordinates to start from, (starts, links, 3): first those of the sketch, then with growing disturbances.
+
+    Links with fewer than two known points start at angles drawn at random, the same in every run.
+    """
     random = np.random.default_rng(1)
     middle = np.mean(list(known.values()), axis=0) if known else np.zeros(2)
     disturbance = np.linspace(0.0, 1.0, STARTS)

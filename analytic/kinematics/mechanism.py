@@ -66,12 +66,12 @@ class Mechanism:
 
     @property
     def cycle(self) -> float:
-        """The crank's way, rad, after which motion and loads repeat."""
+        """The angle, rad, through which the crank turns until motion and loads repeat."""
         return max(self.period, self.linkage.load_period)
 
     @property
     def repeats(self) -> bool:
-        """Whether a turn returns to its start: not for a driver that is pushed, nor with one change point a turn."""
+        """Whether motion and loads repeat after one turn: not of a pushed driver, nor with one change point a turn."""
         return not self.linkage.is_linear and self.cycle == FULL_TURN
 
     @cached_property
@@ -82,7 +82,7 @@ class Mechanism:
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
-        """The linkage at every crank angle (rad, any shape); poses are computed when they are needed."""
+        """The linkage at every φ (rad or m, any shape); poses are computed when they are needed."""
         places = np.asarray(angle, dtype=float)
         return Sweep(self.linkage, self.structure, places, zero_of_s=self.zero_of_s)
 
@@ -111,7 +111,7 @@ class Mechanism:
             ) from error
 
     def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
-        """Values of a function of the linkage at angles (n,), rad; nan where it cannot be assembled or moved."""
+        """Values of a function of the linkage at φ (n,), rad or m; nan where it cannot be assembled or moved."""
         faults = np.zeros(angle.shape, dtype=bool)
         with np.errstate(all="ignore"):  # of what is meaningless
             values = function(Sweep(self.linkage, self.structure, angle, faults, zero_of_s=self.zero_of_s))
@@ -134,13 +134,16 @@ class Mechanism:
         return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
 
     def crank_range(self, start: float | None = None) -> CrankRange:
-        """The values of φ around a start, the sketch's if None; see ``analytic.kinematics.crank_range``."""
+        """The range of φ around a start, rad or m, the sketch's if None, with its limits; raises AssemblyError."""
         if start not in self._ranges:
             self._ranges[start] = crank_range(self.linkage, self.structure, self.undetermined, start)
         return self._ranges[start]
 
     def check_full_turn(self) -> None:
-        """Raise AssemblyError where the crank cannot make a full turn, be it for a gap between two of its steps."""
+        """Raise AssemblyError where the crank cannot make a full turn or its motion is undetermined somewhere.
+
+        A gap between two steps of the turn counts, too.
+        """
         for body in self.structure.bodies:
             self.turn.poses(body)
         self.check_determined(0.0, self.period)
@@ -154,7 +157,7 @@ class Mechanism:
                 raise AssemblyError(f"'{self.linkage.name}' is undetermined at {degrees(angle)}: {dyad.words} {reason}")
 
     def check_rest(self, angle: float) -> None:
-        """Raise AssemblyError where the crank is at rest on a change point, from which two motions branch off."""
+        """Raise AssemblyError where the crank rests, at ``angle``, rad, on a change point: two motions begin there."""
         for dyad in self.structure.dyads:
             for change in dyad.changes.angles if dyad.changes else ():
                 if abs((angle - change + np.pi) % FULL_TURN - np.pi) < AT_REST:
@@ -185,7 +188,8 @@ def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mech
 def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
     """The structure with each group's assembly mode nearest to the sketch, chosen group by group.
 
-    Dyads take the ``signs``, if there are any.
+    Dyads take the ``signs``, if there are any. Raises AssemblyError where links do not meet at the sketch,
+    StructureError where it leaves a mode open.
     """
     left = iter(signs)
     poses = driver_poses(structure, linkage.sketch_angle)
@@ -217,7 +221,10 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, poses: dict[str, Pose]) -> ClosedGroup:
-    """The group in the assembly mode that the sketch means."""
+    """The dyad in the assembly mode that the sketch means.
+
+    Raises StructureError if it is open, AssemblyError if there is none.
+    """
     if not dyad.has_two_modes:
         return dyad
     modes = [replace(dyad, sign=sign) for sign in (1, -1)]
@@ -234,7 +241,10 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, pos
 
 
 def _ambiguous_sketch(linkage: Linkage, dyad: ClosedGroup, telling: Sequence[str]) -> str:
-    """The error for a sketch that leaves a mode open; names the points to add, which tell the two modes apart."""
+    """The error's sentence for a sketch that leaves a mode open.
+
+    Names points to add, which tell the two modes apart.
+    """
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:

@@ -222,7 +222,10 @@ class Structure:
         return len(self.dyads) < len(self.groups)
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
-        """The same structure with the dyads' assembly signs filled in, the same at every crank angle."""
+        """The same structure with the dyads' assembly signs filled in, the same at every crank angle.
+
+        Raises ValueError for a wrong number of signs.
+        """
         if len(signs) != len(self.dyads):
             raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
         left = iter(signs)
@@ -232,7 +235,7 @@ class Structure:
         return replace(self, groups=groups)
 
     def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether crank angles, rad, are change points of a dyad, to the accuracy of change points."""
+        """Whether crank angles, rad, are change points of a dyad, within 1e-7 rad, for each of them."""
         result = np.zeros(np.shape(angle), dtype=bool)
         for change in {change for dyad in self.dyads if dyad.changes for change in dyad.changes.angles}:
             result |= np.abs(np.mod(angle - change + np.pi, 2.0 * np.pi) - np.pi) < AT_A_CHANGE
@@ -240,7 +243,7 @@ class Structure:
 
     @property
     def formula(self) -> str:
-        """The structural formula, class I driver first."""
+        """The structural formula as text, the class I driver first."""
         return structural_formula(self.pivot, self.groups)
 
 
@@ -250,7 +253,10 @@ def revolute_joint(linkage: Linkage, point: str, near: str, far: str) -> Revolut
 
 
 def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
-    """The P joint of a slider, seen from its host or (the other way round) from the slider itself."""
+    """The P joint of a slider, seen from its host or, if ``near`` is the slider, from that.
+
+    ``anchor`` is its point in its frame, m.
+    """
     guide = slider.guide
     turn = guide.along
     arm = rotate(anchor, turn)
@@ -263,7 +269,7 @@ def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
 
 
 def structural_formula(pivot: Joint | None, groups: Sequence[AnyGroup]) -> str:
-    """The structural formula as text: the driver, then the groups with their links."""
+    """The structural formula as text: driver and groups, as in "I (crank) -> coupler + rocker (RRR)"."""
     driver = "cylinder" if pivot is None else "crank" if isinstance(pivot, Revolute) else "slider"
     return " -> ".join([f"I ({driver})", *(group.name for group in groups)])
 

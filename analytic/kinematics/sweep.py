@@ -174,7 +174,7 @@ class Sweep:
         check_motion(self.linkage, solver, self.angle, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
-        """Coordinates, m, of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
+        """Place, m, ground frame, of a point of a body's frame, or its derivative of order 1 or 2 over φ."""
         motion: Any = tuple(self._solve(body, k) for k in range(order + 1))
         return point_derivative(motion, local, order)
 
@@ -184,7 +184,10 @@ class Sweep:
         return self._filled(self.local_point(body, self.linkage.local(name, body), order))
 
     def carrier(self, name: str) -> str:
-        """The body through which a named point is cheapest to reach: ground, crank, else the first dyad's link."""
+        """The body through which a named point is cheapest to reach: ground, crank, else the link solved first.
+
+        Raises UnknownNameError for an unknown point.
+        """
         if name in self.linkage.ground:
             return GROUND
         if name not in self._carriers:
@@ -199,7 +202,10 @@ class Sweep:
         return {point: body for body in reversed(order) if body in links for point in links[body].points}
 
     def angles(self, body: str) -> Array:
-        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; a turning crank's is φ."""
+        """Angle of a link's frame, rad, shape of the crank angles, unwrapped along their last axis.
+
+        A turning crank's is φ.
+        """
         if body == self.linkage.crank and not self.linkage.is_linear:
             return self.angle
         _, _, c, s = self.poses(body)
@@ -223,14 +229,20 @@ class Sweep:
         return np.stack([np.broadcast_to(part, self.angle.shape) for part in pair])
 
     def output(self, order: int = 0) -> Array:
-        """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles."""
+        """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles.
+
+        Raises LinkproofError for a linkage without an output.
+        """
         output = output_of(self.linkage)
         x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
         along = frames.dot(output.along, (x, y))
         return np.broadcast_to(along, self.angle.shape)
 
     def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain or traced
-        """Components, SI, of a force's or torque's law at the sweep's place; a driver at rest counts as advancing."""
+        """Components, SI, of a force's or torque's law at the sweep's places, 0 where it does not act.
+
+        ``speed`` gives the direction of the motion; a driver at rest counts as advancing.
+        """
         parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
         if law.when is None:
             return parts
