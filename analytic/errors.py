@@ -40,7 +40,7 @@ class LinkproofError(Exception):
     """Base class of every error that the caller can correct; the command line turns it into exit code 2."""
 
     def __str__(self) -> str:
-        """The message, safe to print: control characters escaped, the middle of a very long one left out."""
+        """The message, safe to print: control characters escaped, the middle left out beyond LONGEST characters."""
         text = printable(super().__str__())
         return text if len(text) <= LONGEST else f"{text[: LONGEST - 500]} ... {text[-495:]}"
 
@@ -60,7 +60,7 @@ class AssemblyError(LinkproofError):
 
 
 def symbol(name: str) -> str:
-    """A signal's or figure's name with its word replaced by the symbol: ``torque.peak`` is ``Mkr.peak``."""
+    """A signal's or figure's name with its first word replaced by the symbol: ``torque.peak`` becomes ``Mkr.peak``."""
     ends = [place for place in (name.find("."), name.find("@")) if place >= 0]
     word = name[: min(ends, default=len(name))]
     return WORDS.get(word, word) + name[len(word) :]
@@ -98,7 +98,10 @@ class UnknownNameError(LinkproofError):
 
 
 def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
-    """Those known names that begin with a name or are close to it in spelling, the nearest first."""
+    """Those known names that begin with a name.
+
+    If there are none, up to NEAREST close in spelling, the nearest first.
+    """
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:
         return begun
@@ -115,7 +118,7 @@ def _differ_by_a_letter(name: str, other: str) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names as an enumeration for a sentence, at most MOST_NAMES of them."""
+    """Names as an enumeration for a sentence, each shortened, at most MOST_NAMES of them; "none" without any."""
     every = list(names)
     more = f" and {len(every) - MOST_NAMES} more" if len(every) > MOST_NAMES else ""
     return ", ".join(map(shortened, every[:MOST_NAMES])) + more or "none"
@@ -135,7 +138,7 @@ def is_safe(character: str) -> bool:
 
 
 def printable(text: str) -> str:
-    """A text on one line, its control characters escaped."""
+    """A text with control characters and line ends escaped, so that it stays on one line."""
     if text.isprintable():
         return text
     return "".join(c if is_safe(c) else c.encode("unicode_escape").decode() for c in text)

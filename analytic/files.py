@@ -24,7 +24,10 @@ REASONS: Final = {
 
 
 def read_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> bytes:
-    """The content of a file; raises LinkproofError, which says what was ``expected``, where it cannot be read."""
+    """The content of a file of at most ``largest`` bytes.
+
+    Raises LinkproofError, which says what was ``expected``, for others.
+    """
     check_file(path, expected, largest)
     try:
         with path.open("rb") as file:
@@ -38,7 +41,10 @@ def read_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> bytes:
 
 
 def check_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> None:
-    """Raise LinkproofError, which says what was ``expected``, for a path that is no file that can be read."""
+    """Raise LinkproofError unless a path is a readable file of at most ``largest`` bytes.
+
+    The message says what was ``expected``.
+    """
     fault = file_fault(path, largest)
     if fault is not None:
         raise _error(path, expected, fault)
@@ -50,7 +56,10 @@ def _error(path: Path, expected: str, fault: str) -> LinkproofError:
 
 
 def file_fault(path: Path, largest: int = LARGEST_TEXT) -> str | None:
-    """The fault of a path that is no readable file, with the remedy, as the end of a sentence; None for a file."""
+    """The fault of a path as the end of a sentence, with the remedy.
+
+    None for a readable file of at most ``largest`` bytes.
+    """
     try:
         status = path.stat()
     except (OSError, ValueError) as error:

@@ -69,7 +69,10 @@ class LinkageTrace:
     def values(
         self, numbers: Mapping[str, Any], phi: ArrayLike = 0.0, speed: ArrayLike = 0.0, acceleration: ArrayLike = 0.0
     ) -> dict[int, Any]:
-        """Values of the inputs by line: ``numbers`` by name, the crank's angle or stroke, speed, acceleration, SI."""
+        """Values of the inputs by line, SI: ``numbers`` by name, the crank's angle or stroke, speed, acceleration.
+
+        Laws are evaluated at ``phi``; an input without a value is left out.
+        """
         known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
         table: dict[int, Any] = {}
         for name, line in self.trace.inputs.items():
@@ -81,9 +84,9 @@ class LinkageTrace:
         return table
 
     def split_inputs(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
-        """Lines that depend on the design alone, and lines that depend on the crank alone, from which outputs follow.
+        """Of the lines that ``outputs`` need, those that depend on the design alone, and those on the crank alone.
 
-        Each can be computed once and shared.
+        Each can be computed once and shared; what such lines need themselves is left out.
         """
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
@@ -99,7 +102,7 @@ class LinkageTrace:
 
 
 def is_traceable(mechanism: Mechanism) -> bool:
-    """Whether the linkage is made of dyads that keep their assembly modes, and has no friction: else it has no list."""
+    """Whether a linkage has a list of operations: it consists of dyads without change points, and has no friction."""
     has_list = not (mechanism.is_numerical or mechanism.linkage.friction)
     return has_list and not any(dyad.changes for dyad in mechanism.structure.dyads)
 
@@ -121,9 +124,9 @@ def linkage_trace(
 ) -> LinkageTrace:
     """The list of a linkage's signals, with numbers by name, or ``SPEED``, that vary or are ``zero``, others constants.
 
-    It is made once for a mechanism. ``signals`` are those of ``analytic.signals``, magnitudes of vectors and the
-    output's coordinate. ``all_groups`` takes the groups that no signal needs as well. Raises LinkproofError for a
-    linkage that is not traceable.
+    It is made once for a mechanism and a request. ``signals`` are those of ``analytic.signals``, magnitudes of vectors
+    and the output's coordinate. ``accelerates`` makes the crank's acceleration an input, else it is 0. ``all_groups``
+    takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.
     """
     if not is_traceable(mechanism):
         raise LinkproofError(
@@ -202,7 +205,7 @@ def sines_and_cosines(trace: OperationList, lanes: Sequence[int], results: Seque
 
 
 def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
-    """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
+    """The Python source of ``FUNCTION``; ``lanes`` and ``rows`` are the lines that it is given."""
     names: dict[int, str] = {}
     first = sines_and_cosines(trace, lanes, results)
     places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
@@ -224,7 +227,7 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     ]
 
     def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
-        """Write the line that assigns an expression to a line's variable."""
+        """Append to the source the statement that assigns an expression to a line's variable."""
         names[line] = f"v{line}"
         if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
             expression = f"{expression} != 0.0"
@@ -259,7 +262,7 @@ Program = dict[str, Any]
 
 
 def plain_program(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> Program:
-    """The list from numbers of a design and of a row to results, all of which are lines of it, JSON-ready.
+    """The list that leads from ``given`` numbers of a design and those of a row to results, JSON-ready; all are lines.
 
     Values have numbers: those ``given`` first, then those of the ``rows``, ``constants``, and one of each of the
     ``operations``, which have the place of their name among ``names`` and the numbers of their operands.
@@ -296,10 +299,10 @@ MOST_OPERATIONS: Final = 3000  # compiling a longer list takes longer than it sa
 
 
 def is_worthwhile(path: str, operations: int, poses: float) -> bool:
-    """Whether to compile a list of so many operations for so many poses; raises for a wrong ``path``.
+    """Whether to compile a list of so many operations for so many ``poses``, lanes times rows.
 
-    ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled where NumPy would take longer than compiling does.
-    Raises UnknownNameError for another, LinkproofError where numba is missing for "compiled".
+    ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled where NumPy would take longer than compiling does. Raises
+    UnknownNameError for another, LinkproofError where numba is missing for "compiled".
     """
     if path not in PATHS:
         raise UnknownNameError("path", path, PATHS)
@@ -336,7 +339,7 @@ class StraightFunction:
         self._scratch = threading.local()
 
     def __call__(self, lanes: Sequence[Any], rows: Array, count: int) -> Array:
-        """Results (results, count): ``lanes`` are numbers or arrays of so many, ``rows`` (rows, k)."""
+        """Results (results, count): ``lanes`` are numbers or arrays (count,), ``rows`` (rows, k) numbers of each."""
         given, out = self._memory(-(-count // LANES))
         full = count - count % LANES
         for number, values in enumerate(lanes):
@@ -353,7 +356,10 @@ class StraightFunction:
         return results
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
-        """This thread's memory for so many chunks, reused, since new memory costs more than computing."""
+        """This thread's arrays, of numbers given and of results, for so many chunks; they keep what was in them.
+
+        Reused, since new memory costs more than computing.
+        """
         values: tuple[Array, Array] | None = getattr(self._scratch, "arrays", None)
         if values is None or len(values[0]) < chunks:
             values = self._scratch.arrays = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
@@ -362,7 +368,7 @@ class StraightFunction:
 
 @lru_cache(maxsize=32)
 def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
-    """The compiled function of a source that ``python_source`` has made."""
+    """The compiled function of a source that ``python_source`` has made; the latest 32 are kept."""
     import numba  # noqa: PLC0415 - optional, and slow to import
 
     space: dict[str, Any] = {"math": math}
@@ -381,7 +387,10 @@ def cores() -> int:
 
 
 def in_threads(function: Callable[[Any], object], parts: Sequence[Any]) -> None:
-    """Call the function with every part, on all cores: machine code runs side by side."""
+    """Call the function with every part, in threads on all cores, and return when all are done.
+
+    An error is raised again.
+    """
     threads = min(len(parts), cores())
     if threads <= 1:
         for part in parts:

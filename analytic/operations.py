@@ -65,13 +65,16 @@ class OperationList:
         return Traced(self, self.inputs[name])
 
     def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
-        """The line that holds a traced number of this list or a constant."""
+        """The line that holds a traced number of this list or a constant, which is added if it is new."""
         return (
             number.line if isinstance(number, Traced) else self._add_operation(Operation(CONSTANT, (), float(number)))
         )
 
     def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
-        """Note a function of numbers and return the traced result; a plain number if all numbers are constants."""
+        """Note a function, by name, of numbers and return its result: traced, or plain where constants alone decide it.
+
+        Functions that leave a number unchanged, such as a sum with zero, are not noted.
+        """
         lines = tuple(self.line(number) for number in numbers)
         rows = [self.operations[line] for line in lines]
         values = [row.value if row.name == CONSTANT else None for row in rows]
@@ -101,7 +104,10 @@ class OperationList:
         return self._lines[operation]
 
     def lines_needed(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
-        """The lines needed to compute ``outputs``, these included, in order; nothing that only ``known`` lines need."""
+        """The lines needed to compute ``outputs``, these included, in order; nothing that only ``known`` lines need.
+
+        Known lines and inputs that are needed are among them.
+        """
         seen, given = set(outputs), set(known) | set(self.inputs.values())
         for line in range(len(self.operations) - 1, -1, -1):
             if line in seen and line not in given:
@@ -162,7 +168,7 @@ class OperationList:
         return result
 
     def _pass_back(self, line: int, slopes: dict[int, Any], values: Mapping[int, Any], moved: Collection[int]) -> None:
-        """Add to ``slopes`` the parts of a line's slope that belong to its operands."""
+        """Replace a line's slope in ``slopes`` by the parts of it that belong to those operands that are ``moved``."""
         row, slope = self.operations[line], slopes.pop(line)
         arguments = [values[other] for other in row.operands]
         with np.errstate(all="ignore"):
@@ -200,14 +206,18 @@ class Traced(NDArrayOperatorsMixin):
     def looked_up(self, law: Law, order: int) -> list[Traced]:
         """Components of a law at this number, or of its derivative of an order.
 
-        Of φ they are inputs, (law, order, component); of S, which the list computes, they are computed by it, too.
+        Of a law over φ they are inputs, (law, order, component); of one over S, which the list computes, they are
+        computed by it, too.
         """
         if getattr(law, "over", "phi") == "S":
             return law.formula(self)  # type: ignore[attr-defined,no-any-return]
         return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
-        """Note the operation in the list instead of computing it; the traced result."""
+        """Note the operation in the list instead of computing it.
+
+        The result is traced, NotImplemented for unknown functions.
+        """
         # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
         if method != "__call__" or options or any(np.ndim(entry) for entry in inputs):
             return NotImplemented
@@ -216,7 +226,7 @@ class Traced(NDArrayOperatorsMixin):
         return self.trace.apply(NAMES[ufunc], *inputs) if ufunc in NAMES else NotImplemented
 
     def __array_function__(self, function: Any, _: object, inputs: Any, options: Any) -> Any:  # noqa: ANN401
-        """Apply one of the functions in ``SHAPING``, which only arrange numbers."""
+        """Apply one of the functions in ``SHAPING``, which only arrange numbers; NotImplemented for others."""
         return SHAPING[function](*inputs, **options) if function in SHAPING else NotImplemented
 
 

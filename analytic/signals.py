@@ -96,7 +96,7 @@ class LinkageInMotion(ABC):
 
     @cached_property
     def _reactions(self) -> Reactions:
-        """Forces of all joints at this speed and acceleration of the crank."""
+        """Forces of all joints at this speed and acceleration of the crank, and the drive's torque."""
         return reactions(self.sweep, self.speed, self.acceleration)
 
     @cached_property
@@ -127,7 +127,7 @@ class MovingSweep(LinkageInMotion):
 
 
 def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, Scalar, Scalar]:
-    """Position in space, m, of a stop of the thread: a corner of its contour."""
+    """Position in space, m, of a stop of the thread, over the sweep's angles if it is an eye."""
     if isinstance(stop, ThreadGuide):
         return stop.position
     x, y = sweep.point(stop.point)
@@ -135,7 +135,7 @@ def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, 
 
 
 def contour_length(sweep: Sweep, path: ThreadPath) -> Scalar:
-    """The length L(φ) of the thread's contour, m."""
+    """The length L(φ) of the thread's contour, m, at the sweep's angles."""
     corners = [stop_position(sweep, stop) for stop in path.stops]
     length: Scalar = 0.0
     for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(corners):
@@ -177,7 +177,10 @@ def reference_length(mechanism: Mechanism, path: ThreadPath) -> float:
 
 
 def feed(mechanism: Mechanism, path: ThreadPath, angle: ArrayLike) -> Array:
-    """Actual feed Pd(φ), m, at crank angles of any shape, rad."""
+    """Actual feed Pd(φ), m, of the thread at crank angles, rad, of any shape.
+
+    Raises LinkproofError where it has no zero.
+    """
     length = contour_length(mechanism.sweep(angle), path)
     return np.asarray(feed_of_length(path, length, reference_length(mechanism, path)))
 
@@ -269,7 +272,7 @@ def names(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of all signals of a mechanism and, after the components of each force, of its magnitude."""
+    """Names of all signals of a mechanism and, after the components of each force, the name of its magnitude."""
     texts = []
     for name in names(mechanism):
         texts.append(name)
@@ -279,7 +282,7 @@ def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def unit(name: str, linkage: Linkage) -> str:
-    """SI unit of the signal of a linkage, or of the magnitude of a vector."""
+    """SI unit, as text, of a signal of a linkage, or of the magnitude of a vector."""
     kind, _, part = name.partition(":")
     whole = name if name in SINGLE_SIGNALS else kind
     if whole in SINGLE_SIGNALS:
@@ -312,7 +315,8 @@ def signal(at: LinkageInMotion, name: str) -> Array:
 def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
     """The requested names, each once, after checks.
 
-    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed.
+    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed or
+    output.
     """
     known = table(mechanism)
     chosen = tuple(dict.fromkeys(names))
@@ -370,7 +374,7 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
 
 
 def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[str, NamedSignal]]:
-    """The thread's length, and its feed where it has a zero: an eye's extreme position needs a full turn."""
+    """The thread's length, and its feed where it has a zero, by name: an eye's extreme position needs a full turn."""
     with suppress(LinkproofError):
         start = reference_length(mechanism, path)
         yield (
@@ -453,7 +457,8 @@ def evaluate(
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank are signed, scalar or of the angles' shape; the speed
     is needed by whatever depends on the crank's motion. S counts from the top dead centre of a full turn, or where
     there is none from the farthest place between the least and the largest angle. Angles of links are unwrapped along
-    the last axis.
+    the last axis. Raises errors as ``check_signals`` does, and AssemblyError where the linkage cannot be assembled or
+    moved.
     """
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     angle = np.asarray(angle, dtype=float)
@@ -470,7 +475,10 @@ def evaluate(
 
 
 def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
-    """A scalar unchanged, or an array of the angles' shape flattened; raises LinkproofError for another shape."""
+    """A scalar as it is, or an array of the angles' shape flattened; raises LinkproofError for another shape.
+
+    ``name`` is what the value is called in the message.
+    """
     values = np.asarray(value, dtype=float)
     if values.ndim and values.shape != angle.shape:
         raise LinkproofError(
@@ -481,7 +489,10 @@ def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
 
 
 def _evaluate_pieces(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion: Sequence[Array]) -> Array:
-    """Signals (signals, angles) piece by piece; S counts from the ground's origin."""
+    """Signals (signals, angles), SI, piece by piece; S counts from the ground's origin.
+
+    ``motion`` has the crank's speed and acceleration, each a number or (angles,).
+    """
     values = np.empty((len(names), angle.size))
     for start in range(0, angle.size, PIECE):
         here = slice(start, start + PIECE)

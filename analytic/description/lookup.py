@@ -73,9 +73,10 @@ class Reader:
         return {point: sorted(names) for point, names in sorted(carriers.items())}
 
     def owner(self, point: str, named: str | None, where: str, key: str = "link = ...") -> str:
-        """The body that carries a point: ``named`` where that is given, by a ``key``, else the only one.
+        """The body that carries a point: ``named`` if given, else the ground if it has the point, else the only link.
 
-        Raises DescriptionError.
+        ``key`` is what gives ``named`` in the file, for the message. Raises DescriptionError for an unknown point,
+        another body, or several links.
         """
         owners = self.carriers.get(point)
         if owners is None:
@@ -100,7 +101,7 @@ class Reader:
 
 
 def position(place: doc.Place) -> Vector:
-    """The Cartesian coordinates of a point that may be given by polar ones, in the same unit."""
+    """The Cartesian coordinates of a point that may be given by polar ones, in the same unit, angles in rad."""
     if not isinstance(place, doc.Polar):
         return place
     x, y = place.about
@@ -110,7 +111,10 @@ def position(place: doc.Place) -> Vector:
 
 
 def reader_of(document: doc.Document, source: Source) -> Reader:
-    """A reader of the document; raises DescriptionError for an unknown unit, or a number too large or too small."""
+    """A reader of a copy of the document with SI numbers.
+
+    Raises DescriptionError for an unknown unit or a number out of range.
+    """
     for name in UNITS:
         try:
             factor(name, getattr(document.units, name))
@@ -125,7 +129,10 @@ def reader_of(document: doc.Document, source: Source) -> Reader:
 
 
 def _si_values(reader: Reader) -> dict[Keys, float]:
-    """The numbers of a file whose SI value differs, by their keys; negligibly small ones become 0."""
+    """The numbers of a file whose SI value differs, by their keys; negligibly small ones become 0.
+
+    Raises DescriptionError for one too large, or a mass or inertia too small.
+    """
     values = {}
     for path, kind, value in walk(reader.document):
         unit = reader.unit(kind)
@@ -150,7 +157,10 @@ def _si_values(reader: Reader) -> dict[Keys, float]:
 def interpolated_law(
     reader: Reader, table: doc.ForceTable | doc.TorqueTable, rows: Sequence[tuple[float, ...]], where: str
 ) -> Law:
-    """The law of a force or torque, SI, by a spline or by straight lines as its table says."""
+    """The law of a force or torque, SI, by a spline or by straight lines as its table says.
+
+    ``rows`` are its values, ``where`` its place in the file. Raises DescriptionError for keys that do not go together.
+    """
     is_over_travel = table.over == "S"
     if (is_over_travel or table.when) and (reader.phi.is_linear or reader.document.output is None):
         key = "over" if is_over_travel else "when"
@@ -175,7 +185,10 @@ def interpolated_law(
 
 
 def _period(reader: Reader, table: doc.LoadTable, where: str) -> float | None:
-    """The period of a load's table, rad, of one turn or two; None if the table is over a travel."""
+    """The period of a load's table, rad, of one turn or two; None if it is over a travel.
+
+    Raises DescriptionError for others.
+    """
     if reader.phi.is_linear or table.over == "S":
         if table.period is not None:
             raise reader.fail(f"{where}.period: expected no period of a load over a travel; leave it out")
@@ -194,9 +207,10 @@ def law_over_angle(
     *,
     period: float | None = FULL_TURN,
 ) -> Law:
-    """The law through rows of components at ``angles``, rad, increasing, at least 3; one row is a constant.
+    """The law through rows of components at ``angles``, rad, increasing, at least 3.
 
-    With ``period`` None they are travels, m. Raises DescriptionError, which begins with ``where``, the rows' place.
+    One row without angles is a constant. With ``period`` None they are travels, m. Raises DescriptionError, which
+    begins with ``where``, the rows' place in the file.
     """
     table = np.array(rows, dtype=float)
     if angles is None:

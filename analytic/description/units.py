@@ -92,12 +92,12 @@ class FileUnit(NamedTuple):
 
     @property
     def on_page(self) -> str:
-        """The unit as a page prints it: "N mm", "mm/s²"."""
+        """The unit's name as a page prints it: "N mm", "mm/s²"."""
         return self.name.replace("*", " ").replace("^2", "²")
 
 
 def factor(kind: str, unit: str) -> float:
-    """SI value of one ``unit``; raises UnknownNameError naming the nearest known unit of that kind."""
+    """SI value of one ``unit`` of a kind; raises UnknownNameError, with the nearest known unit of that kind."""
     known = UNITS[kind]
     if unit not in known:
         raise UnknownNameError(f"{kind} unit", unit, known)

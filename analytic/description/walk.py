@@ -28,7 +28,10 @@ class Number(NamedTuple):
 
 
 def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Number]:  # noqa: ANN401 - any part
-    """Every number of a part with its path and kind, in the order of fields; ``kind`` is that of the part's field."""
+    """Every number of a part with its path and kind, in the order of fields; ``kind`` is that of the part's field.
+
+    ``path`` leads to the part itself and begins every number's.
+    """
     if isinstance(part, tuple | list | Mapping):
         for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
             if isinstance(inner, float) and kind is not None:
@@ -47,7 +50,10 @@ def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Numbe
 
 
 def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None) -> Any:  # noqa: ANN401 - any part
-    """A part with other values, which may be arrays, at some paths; a direction becomes a unit vector again."""
+    """A copy of a part with ``values``, which may be arrays, at some paths; a changed direction becomes a unit vector.
+
+    ``kind`` is that of the part's field.
+    """
     if () in values:
         return values[()]
     if isinstance(part, Law):
@@ -66,13 +72,13 @@ def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None)
 
 
 def _rows(law: Law) -> dict[str | int, tuple[float, ...]]:
-    """The values of a load's law by row, and its angles."""
+    """The values of a load's law by row number, and its angles, if it has any, by ``ANGLES``."""
     rows: dict[str | int, tuple[float, ...]] = dict(enumerate(map(tuple, np.atleast_2d(law.values).tolist())))
     return rows if law.angles is None else {**rows, ANGLES: tuple(law.angles.tolist())}
 
 
 def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
-    """A load's law with these rows and angles in place of its own."""
+    """A load's law with these rows and angles in place of its own; removes the angles from ``rows``."""
     angles = np.array(rows.pop(ANGLES)) if law.angles is not None else None
     flat = tuple(value for row in rows.values() for value in row)
     if not all(isinstance(value, float | int) for value in flat):
@@ -82,9 +88,9 @@ def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
 
 @cache
 def number_fields(part: type) -> Mapping[str, Kind | None]:
-    """The fields of a dataclass or a table that have numbers, with their kinds; None where parts in them say these.
+    """The fields of a dataclass or a table that have numbers, with their kinds.
 
-    Any other type has none.
+    None for one whose parts state their own. For any other type {}.
     """
     hints: Mapping[str, Any] = {}
     if is_dataclass(part):
@@ -96,7 +102,7 @@ def number_fields(part: type) -> Mapping[str, Kind | None]:
 
 
 def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint may be anything
-    """Every kind, or every type, that stands in a hint such as ``tuple[Spring, ...]`` or ``Position | None``."""
+    """Every instance of ``what`` that stands in a hint such as ``tuple[Spring, ...]`` or ``Position | None``."""
     if isinstance(hint, what):
         yield hint
     for inner in hint if isinstance(hint, tuple) else (*get_args(hint), *getattr(hint, "__metadata__", ())):
@@ -104,7 +110,7 @@ def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint m
 
 
 def unit_vector(vector: tuple[float, float]) -> tuple[float, float]:
-    """The unit vector along a non-zero vector."""
+    """The unit vector along a non-zero vector, whose components may be arrays or traced numbers."""
     plain = all(isinstance(part, float | int) for part in vector)
     length = math.hypot(*vector) if plain else np.hypot(*vector)
     return (vector[0] / length, vector[1] / length)

@@ -17,7 +17,10 @@ from analytic.description.units import MEASURED, UNITS, FileUnit, Kind, factor
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
-    """The file's unit that takes an SI unit's place; units without one in files, such as s, J and W, stay SI."""
+    """The file's unit that takes the place of an SI unit, as pages print this.
+
+    Units without one in files, such as J, stay.
+    """
     if si not in MEASURED:
         return FileUnit(si, 1.0)
     kind, rate = MEASURED[si]
@@ -47,12 +50,12 @@ def finite(value: float) -> float | None:
 
 
 def plain(values: NDArray[np.float64]) -> list[float | None]:
-    """Numbers as a list for JSON, None in place of nan and infinity."""
+    """Numbers as a flat or nested list for JSON, None in place of nan and infinity."""
     return [finite(value) for value in values.tolist()]
 
 
 def fixed(value: float, digits: int) -> str:
-    """A number as text, with so many decimals; never "-0"."""
+    """A number as text with this many decimals; never "-0"."""
     return f"{value:z.{digits}f}"
 
 

@@ -143,7 +143,10 @@ class _Path:
         return self.starts[-1]
 
     def add(self, accelerations: Array, end: float) -> None:
-        """Append a window up to the time ``end``, s, from those at its nodes."""
+        """Append a window up to the time ``end``, s, from accelerations, rad/s², at its nodes.
+
+        The state moves to its end.
+        """
         length = end - self.time
         self._base.append(self.angle + (self._periods * self.period if self._periods else 0.0))
         self._speeds.append(self.speed)
@@ -169,7 +172,10 @@ class _Path:
         return Windows(np.array(self.starts), np.array(self._base), angle, speed)
 
     def is_lost(self, length: float, longest: float) -> bool:
-        """Whether the motion cannot go on: windows too short, or the latest ones tiny beside one before."""
+        """Whether the motion cannot go on: the next window, ``length``, s, or the latest ones tiny beside earlier ones.
+
+        ``longest`` is the longest window so far, s.
+        """
         done = len(self.starts) - 1
         if length < LEAST_WINDOW * longest or self.time + length == self.time:
             return True
@@ -246,7 +252,7 @@ def _end_acceleration(acceleration: Timed, path: _Path) -> float:
 
 
 def _first_window(path: _Path, duration: float) -> float:
-    """A first window's length, s, in which the crank turns only a little."""
+    """A first window's length, s: the crank turns by about FIRST_ANGLE in it, or the whole duration if it rests."""
     rate = max(abs(path.speed), math.sqrt(abs(path.acceleration) * FIRST_ANGLE))
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 
@@ -282,7 +288,7 @@ def _node_accelerations(acceleration: Timed, path: _Path, length: float, roundin
 
 
 def _relative_speed_error(path: _Path, accelerations: Array, length: float, rounding: float) -> float:
-    """Relative error of the speed over a window, from the last terms of the acceleration's series."""
+    """Relative error of the speed over a window of ``length``, s, from the last terms of its series."""
     tail = max(float(np.abs(path.scheme.series[-2:] @ accelerations).max()) - rounding, 0.0)
     gained, peak = float(path.scheme.end_once @ accelerations), float(np.abs(accelerations).max())
     scale = max(abs(path.speed), abs(path.speed + length * gained), length * peak)
@@ -290,7 +296,7 @@ def _relative_speed_error(path: _Path, accelerations: Array, length: float, roun
 
 
 def _check_progress(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
-    """Raise LinkproofError where the motion cannot be followed, or takes too many windows."""
+    """Raise LinkproofError where the motion cannot be followed, or takes too many windows; ``place`` writes a φ."""
     time, done = path.time, len(path.starts) - 1
     if path.is_lost(length, longest):
         raise LinkproofError(

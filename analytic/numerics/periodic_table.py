@@ -66,7 +66,10 @@ class PeriodicTable:
 
 
 def tabulate(functions: Functions, degree: int = DEGREE, *, period: float = FULL_TURN) -> PeriodicTable:
-    """Tabulate functions (angles (n,) to values (functions, n)) over a period, rad, with polynomials of a degree."""
+    """Tabulate functions (angles (n,) to values (functions, n)) over a period, rad, with polynomials of a degree.
+
+    Cells are halved until the table meets each function to rounding, or cannot get nearer.
+    """
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
     checked = np.vander(between, degree + 1, increasing=True)

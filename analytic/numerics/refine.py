@@ -92,7 +92,10 @@ def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array,
 
 
 def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
-    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,)."""
+    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,).
+
+    At most MOST of a curve.
+    """
     walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
     with np.errstate(invalid="ignore"):  # infinity less infinity
         bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
@@ -122,9 +125,10 @@ def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> t
 
 
 def first_highest(sampled: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
-    """For each of ``count`` curves with tops, the number of its highest top, the first of those that are equal.
+    """For each of the ``count`` curves that has tops, the index of its highest top, the first of those that are equal.
 
-    They are equal where they differ by the rounding of their height, or of a curve's size (count,).
+    ``climbed`` (n,) are the tops' heights. They are equal where they differ by the rounding of their height, or of a
+    curve's size (count,).
     """
     most = np.full(count, -np.inf)
     np.maximum.at(most, sampled.curve, climbed)
@@ -174,7 +178,7 @@ def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
 
 
 def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
-    """The places on either side of the sampled best place."""
+    """The places (n,) before and after the best of each row of ``x``, whose index is ``best``; an end is its own."""
     row = np.arange(len(x))
     return x[row, np.maximum(best - 1, 0)], x[row, np.minimum(best + 1, x.shape[1] - 1)]
 
@@ -191,7 +195,10 @@ def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _predicted_height(x: Array, y: Array, low: Array, high: Array, seen: Array) -> Array:
-    """The top of the parabola, if that is between the bounds, or the highest point ``seen``; nan if one is nan."""
+    """The higher of the parabola's top, if that is between the bounds, and the highest point ``seen``.
+
+    Nan if one is nan.
+    """
     place, top = _parabola(x, y)
     return np.asarray(np.where((place > low) & (place < high), np.fmax(top, seen), seen))
 
@@ -227,7 +234,7 @@ def grid(points: int = GRID) -> Array:
 
 
 def in_turn(angle: ArrayLike) -> Array:
-    """Crank angles brought into [0, 2π): the remainder of one just below zero rounds to 2π, which is 0."""
+    """Crank angles, rad, brought into [0, 2π): the remainder of one just below zero rounds to 2π, which is 0."""
     remainder = np.mod(angle, FULL_TURN)
     return np.where(remainder < FULL_TURN, remainder, 0.0)
 
@@ -238,7 +245,7 @@ def periodic_mean(values: Array) -> float:
 
 
 def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
-    """Mean, maximum and minimum of a periodic quantity over a turn."""
+    """Mean, maximum and minimum of a periodic quantity over a turn, sampled at ``points`` and refined between them."""
     angle = grid(points)
     values = quantity(angle)
 

@@ -14,7 +14,10 @@ SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones
 
 
 def root(function: Callable[[float], float], left: float, right: float) -> float:
-    """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits."""
+    """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits.
+
+    Without a change of sign it is ``left``.
+    """
     for end in (left, right):
         if function(end) == 0.0:
             return end
@@ -25,11 +28,12 @@ def root(function: Callable[[float], float], left: float, right: float) -> float
 def roots(
     function: Callable[[Array], Array], left: Array, middle: Array, right: Array, settled: float = SETTLED
 ) -> Array:
-    """Where each of many continuous functions is zero within its bracket, (m,), to 2e-13 of the bracket's width.
+    """Where each of many continuous functions is zero within its bracket, (m,).
 
-    ``function`` gives the value of each at its own place. One that does not change sign within its bracket has its
-    ``middle`` for an answer. The Illinois method: false position, with the value at the end that stays halved, so that
-    neither end is stuck.
+    ``function`` gives the value of each at its own place. A root is as exact as the last digits of its place, or a
+    value below ``settled`` of the larger one at the ends. A function that does not change sign within its bracket has
+    its ``middle`` for an answer. The Illinois method: false position, with the value at the end that stays halved, so
+    that neither end is stuck.
     """
     low, high = function(left), function(right)
     least = settled * np.maximum(np.abs(low), np.abs(high))

@@ -26,7 +26,7 @@ class Correction:
     offset: float = 0.0
 
     def compose(self, first: Correction) -> Correction:
-        """The correction with the effect of ``first``, then of this one."""
+        """The one correction with the effect of ``first`` and then of this one."""
         return Correction(
             self.sign * first.sign,
             self.factor * first.factor,
@@ -111,7 +111,10 @@ class Evidence(SignalTimes):
     header: float = 1.0
 
     def thinned(self, most: int, worst: int = 0) -> Evidence:
-        """The evidence at ``most`` samples, equally spread, and the ``worst`` ones; unchanged if it has no more."""
+        """The evidence at up to ``most`` samples, equally spread, and the ``worst`` samples farthest off.
+
+        Itself if it has no more.
+        """
         few = np.arange(0, len(self.time), -(-len(self.time) // most))
         if worst and len(few) < len(self.time):
             few = np.union1d(few, np.argsort(np.nan_to_num(np.abs(self.residual)))[-worst:])
@@ -125,7 +128,7 @@ class Evidence(SignalTimes):
 
     @property
     def residual(self) -> Array:
-        """Value less truth over the tolerance, (n,), nan where nothing is compared."""
+        """Value less truth over the tolerance, (n,), nan where a sample is not counted."""
         return np.where(self.counted, (self.values - self.truth) / self.tolerance, np.nan)
 
 

@@ -93,15 +93,15 @@ class _Samples:
         return float(self.time[-1])
 
     def thinned(self, most: int) -> _Samples:
-        """About ``most`` of the samples, equally spread over the same duration."""
+        """At most ``most`` of the samples, equally spread over the same duration."""
         few = np.unique(np.linspace(0, len(self.time) - 1, min(most, len(self.time))).astype(int))
         return replace(self, time=self.time[few], values=self.values[few], rounding=self.rounding[few])
 
     def trials(self, within: Array) -> list[_Samples]:
         """Columns that would be printed the same: with random errors ``within`` (n,), and with slow errors.
 
-        Where every sample goes on by the same angle, the last digit is always off by the same amount, or changes
-        slowly.
+        Slow ones are for a crank that goes on by the same angle from sample to sample: the last digit is then always
+        off by the same amount, or changes slowly.
         """
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_TRIALS, len(within)))
         slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
@@ -119,7 +119,10 @@ def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: 
 
 
 def _motion(time: Array, values: Array, resolution: Array, start_angle: float, *, of_speed: bool) -> ColumnMotion:
-    """The motion of a column: a known one that agrees within the rounding, else a spline."""
+    """The motion of a column: a known one that agrees within the rounding, else a spline.
+
+    ``start_angle``, rad, is for columns of speeds alone.
+    """
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
     rounding = np.maximum(resolution, FINEST_ROUNDING * coarsest)  # a run-up's first have more digits than any fit
     samples = _Samples(time, values, rounding, of_speed)
@@ -160,7 +163,7 @@ class KnownFit:
         return self.largest <= SLACK
 
     def likewise(self) -> list[KnownFit]:
-        """Fits to trial columns that would be printed as this one."""
+        """Fits of this family to trial columns that would be printed as this one."""
         few = self.samples.thinned(MOST_SAMPLES)
         first = float(self.samples.values[0]) / (ROUND_MULTIPLE * float(np.max(self.samples.rounding)))
         is_exact = self.largest < EXACT_SHARE and abs(first - round(first)) < EXACT_SHARE
@@ -168,7 +171,10 @@ class KnownFit:
         return [_fit_near(trial, self.family, self.time) for trial in few.trials(within)]
 
     def motion(self, start_angle: float) -> CrankMotion:
-        """The motion, rad and s; one of speeds begins at ``start_angle``, rad."""
+        """The fit as a motion, rad and s.
+
+        One of speeds begins at ``start_angle``, rad, one of angles at its own start.
+        """
         duration, runs_up = self.samples.duration, self.family in RUN_UPS  # to speed 1; a swing has travel 1
         law, back = self.family.removesuffix(BACK), self.family.endswith(BACK)
         if runs_up:
@@ -187,7 +193,7 @@ class KnownFit:
 
 @lru_cache
 def _one_way(law: str) -> CrankMotion:
-    """The motion of a law that takes 1 s, followed by a long rest or steady turning."""
+    """The motion of a law that takes 1 s to speed 1 or travel 1, followed by a long time of steady turning or rest."""
     rest = 2.0 / SHORTEST_TIME
     if law in RUN_UPS:
         return crank_motion(law, speed=1.0, ramp_time=1.0, hold_time=rest)
@@ -195,7 +201,7 @@ def _one_way(law: str) -> CrankMotion:
 
 
 def _shape(family: str, samples: _Samples, time: float) -> Array:
-    """The column (n,) of a family's motion of size 1 with this ramp or swing time, s."""
+    """The column (n,) of a family's motion of size 1 with this ramp or swing time, s, at the samples' times."""
     way, clock, order = _one_way(family.removesuffix(BACK)), samples.time, int(samples.of_speed)
     if not family.endswith(BACK):
         return np.asarray(way._evaluate(clock / time, order))
@@ -205,7 +211,10 @@ def _shape(family: str, samples: _Samples, time: float) -> Array:
 
 
 def known_fit(samples: _Samples) -> KnownFit | None:
-    """The fit of the first family with a motion from t = 0 that is a column within its rounding; None without one."""
+    """The fit of the first family with a motion from t = 0 that is a column within its rounding.
+
+    None without one, for a column at rest, and for one that begins before t = 0.
+    """
     moved = samples.values if samples.of_speed else samples.values - samples.values[0]
     if samples.time[0] < 0.0 or np.max(np.abs(moved)) <= np.max(samples.rounding):
         return None
@@ -246,7 +255,7 @@ def _fit_near(samples: _Samples, family: str, guess: float) -> KnownFit:
 
 
 def _evened_out(fit: KnownFit) -> KnownFit:
-    """The fit, or the one near it with the least residuals to a high power, of which the largest count most.
+    """The fit, or the one near it with the least residuals to a high power, whichever is within less of the column.
 
     Where the crank turns steadily every sample is rounded alike, and the squares are least where the others are off by
     that besides their own rounding.
@@ -280,7 +289,10 @@ def _fit_with_time(samples: _Samples, family: str, time: float) -> KnownFit:
 
 
 def _splines(samples: _Samples, start_angle: float) -> ColumnMotion:
-    """The motion as a spline, with corners of the acceleration if these suffice, and those of the trial columns."""
+    """The motion as a spline, with corners of the acceleration if these suffice, and those of the trial columns.
+
+    One of speeds begins at ``start_angle``, rad; to one of angles it is added.
+    """
     noise = samples.rounding
     if len(samples.time) > MANY_SAMPLES:  # of a smooth column so finely sampled these differences are its noise
         differences = float(np.median(np.abs(np.diff(samples.values, 6))))
@@ -344,7 +356,7 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
 
 
 def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name: str) -> CrankMotion:
-    """The motion, named ``name``, with the pieces of a spline of angles, rad."""
+    """The motion, named ``name``, with the pieces of a spline of angles, rad, to which ``start_angle`` is added."""
     pieces = scipy.interpolate.PPoly.from_spline(curve)
     spans = zip(pieces.x.tolist(), pieces.x[1:].tolist(), pieces.c[::-1].T.tolist(), strict=False)
     every = [(start, end, numbers) for start, end, numbers in spans if end > start]
@@ -354,7 +366,10 @@ def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name
 
 
 def unwrap_angles(angle: Array) -> Array:
-    """Angles, rad, without the jumps of a whole turn that a tool makes at ±180° or 360°, even if they are degrees."""
+    """Angles, rad or degrees, without the jumps of a whole turn that a tool makes at ±180° or 360°.
+
+    Which unit it is shows in their range; those that span more are unchanged.
+    """
     turn = next((turn for turn in (2.0 * math.pi, 360.0) if np.ptp(angle) <= SLACK * turn), None)
     return np.asarray(np.unwrap(angle, period=turn) if turn else angle)
 
@@ -362,7 +377,8 @@ def unwrap_angles(angle: Array) -> Array:
 def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
     """Equal steps in place of instants or angles (n,) that are equal but for rounding, and their doubt, (n,).
 
-    The doubt is then that of a mean of n roundings; a step that is printed in full leaves none.
+    The doubt is then that of a mean of n roundings; a step that is printed in full leaves none. Others are returned
+    with their own ``resolution``.
     """
     number = np.arange(len(at))
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))

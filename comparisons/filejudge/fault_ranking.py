@@ -84,7 +84,7 @@ class Fit:
 
     @property
     def change(self) -> float:
-        """Distance of the numbers from those of no fault, over a noticeable change of each."""
+        """Distance of the numbers from those of no fault, in noticeable changes of each; 0 without numbers."""
         start = np.array(self.fault.start)
         return float(np.linalg.norm((self.numbers - start) / self.fault.sizes)) if len(start) else 0.0
 
@@ -114,7 +114,10 @@ class Fitting:
         self.rms = np.array([float(np.sqrt(np.nanmean(r**2))) if np.isfinite(r).any() else 0.0 for r in self.before])
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
-        """Residuals (n,) of every column with a fault, over its tolerance; nan where open, None if impossible."""
+        """Residuals (n,) of every column with a fault at these numbers, over its tolerance; None if impossible.
+
+        A residual is nan where the fault leaves a sample open.
+        """
         remains = list(self.before)
         try:
             with np.errstate(all="ignore"):  # two points of a link in one place, a speed beyond all bounds
@@ -131,7 +134,10 @@ class Fitting:
         return remains
 
     def _residual(self, number: int, curve: Array, moved: DriverMotion | None) -> Array:
-        """The residual of a column (n,), over its tolerance, without what jumps of the motion ``moved`` explain."""
+        """The residual of column ``number`` from ``curve`` (n,), over its tolerance; nan where it is not counted.
+
+        So it is beside jumps of a motion that has ``moved``, unless the sample is over even so.
+        """
         signal = self.evidence[number]
         apart = signal.values - curve
         if signal.si == "rad" and np.any(np.isfinite(apart)):  # known but for whole turns
@@ -162,7 +168,10 @@ class Fitting:
         return tried if tried and _is_as_good(tried, best, AS_GOOD) else best
 
     def rounded(self, fit: Fit) -> Fit:
-        """A fit with its number as round as the file allows, in the unit in which it is written; itself if none is."""
+        """A fit with its one number as round as the file allows, in the unit in which it is written.
+
+        Else the fit itself.
+        """
         unit = fit.fault.unit
         if not unit or len(fit.numbers) != 1 or not fit.digits:
             return fit
@@ -178,7 +187,10 @@ class Fitting:
         return fault.is_linear and not sizes and not self.simulation.linkage.friction
 
     def _best_guesses(self, fault: Hypothesis) -> Sequence[float | Numbers]:
-        """The guesses to fit from; of many, those that come nearest to the file without a fit."""
+        """The numbers to fit from: the fault's guesses or else its start.
+
+        Of many those that come nearest to the file.
+        """
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
         fits = {guess: self.evaluate(fault, guess) for guess in fault.guesses}
@@ -195,7 +207,10 @@ class Fitting:
         seen: dict[bytes, list[Array] | None] = {here.tobytes(): self.before} if is_start else {}
 
         def remains(step: Array) -> Array | None:
-            """The residuals of what changes, each weighted alike however many samples it has; None if impossible."""
+            """The residuals of the columns that change, each weighted alike however many samples it has.
+
+            None if impossible.
+            """
             key, numbers = step.tobytes(), guess + sizes * step
             if key not in seen:
                 seen[key] = self.residuals(fault, numbers) if np.all(numbers >= fault.least) else None
@@ -203,14 +218,14 @@ class Fitting:
             return None if parts is None else np.concatenate([parts[n] / np.sqrt(len(parts[n])) for n in changing])
 
         def known(step: Array) -> Array:
-            """The residuals as the solver takes them: 0 where undecided, large where the fault is impossible."""
+            """The residuals as the solver takes them: 0 where open, IMPOSSIBLE where the fault cannot be."""
             values = remains(step)
             if values is None:
                 return np.full(sum(len(self.before[n]) for n in changing), IMPOSSIBLE)
             return np.nan_to_num(values)
 
         def slopes(step: Array) -> Array:
-            """Derivatives of the residuals by the steps, by one-sided differences."""
+            """Derivatives of the residuals by the steps, (n, numbers), by one-sided differences."""
             base, beside = remains(step), [remains(step + axis) for axis in axes]
             rises = [0.0 * known(step) if base is None or other is None else other - base for other in beside]
             return np.nan_to_num(np.stack(rises, axis=1) / DIFFERENCE_STEP)
@@ -249,7 +264,7 @@ class _OnALine(Fitting):
         self.ends = [whole.residuals(fault, self.start + change) for change in np.diag(self.sizes)]
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
-        """Residuals (n,) of every column, as a linear function of the fault's numbers."""
+        """Residuals (n,) of every column, as a linear function of the fault's numbers; simulated where that failed."""
         remains = list(self.before)
         for end, share in zip(self.ends, (np.asarray(numbers) - self.start) / self.sizes, strict=True):
             if end is None:
@@ -263,7 +278,10 @@ class _OnALine(Fitting):
 def _fit_of(
     fault: Hypothesis, numbers: Iterable[float], residuals: list[Array] | None, digits: int = NOT_ROUND
 ) -> Fit | None:
-    """The fit with these residuals: infinite RMS where too much is open; None without residuals."""
+    """The fit with these residuals: infinite in a column where too much is open; None without residuals.
+
+    ``digits`` is how round its number is.
+    """
     if residuals is None:
         return None
     rms, largest = [], []
@@ -281,7 +299,7 @@ def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
 
 
 def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
-    """Whether a fit leaves no column more than ``times`` what the ``best`` one leaves, or than the rounding."""
+    """Whether a fit leaves of each column at most ``times`` what the ``best`` one leaves, or at most the rounding."""
     return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
 
 
@@ -319,7 +337,10 @@ class Explanation:
 def explain(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: ImportedSignal | None = None
 ) -> Explanation:
-    """The Explanation of all differences beyond rounding; ``names`` are signals that a column may be taken for."""
+    """The Explanation of all differences beyond rounding; ``names`` are signals that a column may be taken for.
+
+    ``column`` gives the crank's motion, if the file has it. Causes that fit once sign or unit are corrected count, too.
+    """
     raw = _explain_as_read(simulation, evidence, names, column)
     partly = {name for finding in raw.findings if finding.left > PARTLY for name in finding.signals}
     open_names = {*raw.unexplained, *partly}
@@ -331,7 +352,10 @@ def explain(
 
 
 def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str, Correction]) -> Explanation:
-    """The ``raw`` findings, replaced where a finding ``again``, on corrected signs and units, leaves much less."""
+    """The ``raw`` findings, replaced where a finding ``again``, on corrected signs and units, leaves much less.
+
+    ``estimates`` are these corrections, by signal.
+    """
     better = []
     for finding in again.findings:
         before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
@@ -344,7 +368,10 @@ def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str
 
 
 def estimate_correction(evidence: Evidence) -> Correction | None:
-    """The correction of a signal's sign and unit, its other faults aside; None where both are right or unclear."""
+    """The correction of a signal's sign and unit, its other faults aside.
+
+    None where none is needed or it is unclear.
+    """
     values, truth = evidence.values[evidence.counted], evidence.truth[evidence.counted]
     size = float(np.sqrt(np.sum(values**2) * np.sum(truth**2)))
     product = float(values @ truth)
@@ -359,7 +386,7 @@ def estimate_correction(evidence: Evidence) -> Correction | None:
 
 
 def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evidence:
-    """The evidence with a signal's sign and factor corrected; unchanged for None."""
+    """The evidence with a signal's sign and factor corrected, its rounding with them; itself for None."""
     if correction is None:
         return evidence
     factor = correction.sign * correction.factor
@@ -374,7 +401,10 @@ def differs(evidence: Evidence) -> bool:
 def _explain_as_read(
     simulation: Simulation, evidence: Sequence[Evidence], names: Sequence[str], column: ImportedSignal | None = None
 ) -> Explanation:
-    """The causes of the differences of columns as they are: first the cause that explains most signals."""
+    """The causes of the differences of columns as they are: one by one the cause that explains most signals.
+
+    ``names`` and ``column`` are as for ``explain``.
+    """
     open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
         return Explanation((), ())
@@ -418,7 +448,8 @@ class _Search:
         """The fits of all hypotheses that do no harm; ``names`` are signals that a column may be taken for.
 
         Slow hypotheses are tried only while no setting explains everything, and numbers only where no column of the
-        motion is right; for a linkage computed by iteration, only while nothing explains everything.
+        motion is right; for a linkage computed by iteration, only while nothing explains everything that is among
+        ``open_names``.
         """
         rows = [*of_motion(self.simulation, self.column, list(self.places)), *of_model(self.simulation)]
         for signal in self.evidence:
@@ -434,7 +465,10 @@ class _Search:
         return result if is_settled else result + self._harmless(row for row in rows if row.is_slow)
 
     def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:
-        """Fits of hypotheses that make no signal worse beyond its rounding, first made to a part of the samples."""
+        """Fits of hypotheses that explain a column and make none worse beyond its rounding.
+
+        They are first made to a part of the samples.
+        """
         made = (fit for row in rows if (fit := self.thin.best(row)))
         helps = (fit for fit in made if np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))))
         whole = (self.whole.evaluate(fit.fault, fit.numbers, fit.digits) for fit in helps)
@@ -450,7 +484,7 @@ class _Search:
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
     def make_finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
-        """The finding with the likeliest of fits that explain the same signals, and those that fit as well."""
+        """The finding with the likeliest of ``rivals``, fits that explain the signals ``names``, and those as good."""
         places = [self.places[name] for name in names]
         least = min(rivals, key=lambda fit: self.log_remainder(fit, names))
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
@@ -465,7 +499,10 @@ class _Search:
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Rivals to name beside the best fit, without freer ones where it is a setting or a column."""
+    """Rivals to name beside the best fit: beside a column or setting those up to one number, else up to several.
+
+    Freer ones, such as a factor that no unit explains, are left out, unless the best one is as free.
+    """
     kind, _ = best.rank
     most = FaultKind.NUMBER if kind <= FaultKind.SETTING else max(FaultKind.SEVERAL, kind)
     return (fit for fit in others if fit.rank[0] <= most)
@@ -474,7 +511,8 @@ def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
 def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None) -> dict[str, Correction]:
     """The corrections that undo a cause, by the names of the signals whose columns are corrected.
 
-    Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis.
+    Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis. {} for a cause
+    that lies in the model.
     """
     knobs: dict[str, dict[str, Any]] = {}
     for target, value in fit.fault.targets(*fit.numbers).items():
@@ -506,7 +544,7 @@ def _undone(scale: float, offset: float, shift: float) -> Correction:
 def proposals(
     explanation: Explanation, columns: Iterable[str], agreed: Mapping[str, Correction]
 ) -> dict[str, Correction]:
-    """The corrections of the likeliest causes by the names of ``columns``, those agreed to already included."""
+    """The corrections of the likeliest causes by the names of ``columns``, each after the one ``agreed`` to before."""
     known, found = set(columns), dict[str, Correction]()
     for name, correction in (pair for finding in explanation.findings for pair in finding.corrections.items()):
         if name in known:

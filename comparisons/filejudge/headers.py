@@ -54,7 +54,7 @@ COMPONENTS: Final = frozenset({"x", "y", "z", "magnitude"})  # each of which has
 
 
 def plain_letters(text: str) -> str:
-    """A text without case, accents and the marks of letters."""
+    """A text in lower case, without accents and the marks of letters."""
     decomposed = unicodedata.normalize("NFKD", text.casefold())
     letters = "".join(c for c in decomposed if not unicodedata.combining(c) or c in "\u3099\u309a")
     return unicodedata.normalize("NFC", letters).replace("ł", "l").replace("ø", "o")
@@ -65,13 +65,13 @@ TOGETHER: Final = {plain_letters(word.replace("|", "")): word.split("|") for wor
 
 
 def split_tokens(text: str) -> list[str]:
-    """The words and numbers of a text, and the parts of words in the list of those written together."""
+    """The words and numbers of a text; words that are written together are divided where the list has them."""
     tokens = TOKEN.findall(CAMEL.sub(" ", text))
     return [part for token in tokens for part in TOGETHER.get(plain_letters(token), (token,))]
 
 
 def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
-    """The table of all meanings of each group of words."""
+    """The table of all meanings of each group of words, from pairs of a group and one meaning."""
     table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
     for texts, meaning in pairs:
         table[texts] |= {meaning}
@@ -84,7 +84,10 @@ WORDS: Final = _merge_meanings(
 
 
 def name_meanings(names: Iterable[str]) -> Table:
-    """Meanings, ``:name``, of names by their words; a number alone is a plot's, "Angular Velocity2", and no name."""
+    """The table of the meanings, ``:name``, of names by their words.
+
+    A number alone is a plot's, "Angular Velocity2", and no name.
+    """
     return _merge_meanings(
         (key, f":{name}") for name in names if not all(map(str.isdigit, key := _name_key(split_tokens(name))))
     )
@@ -96,9 +99,10 @@ def _name_key(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def header_words(header: str, names: Table) -> Iterator[tuple[str, Meanings]]:
-    """The words of a header, each with its possible meanings; an unknown word has an empty set.
+    """Yield the words of a header, each with its possible meanings; an unknown word has an empty set.
 
-    Numbers that belong to no name are left out, and words that change nothing.
+    ``names`` are meanings of names, beside the known words. Numbers that belong to no name are left out, and words that
+    change nothing.
     """
     every, at = split_tokens(header), 0
     longest = max(map(len, [*WORDS, *names]))
@@ -135,7 +139,7 @@ class Unit:
     dimension: Dimension
 
     def times(self, other: Unit, exponent: int) -> Unit:
-        """The product of this unit and a power of another one."""
+        """The product of this unit and a power, the ``exponent``, of another one."""
         powers = zip(self.dimension, other.dimension, strict=True)
         return Unit(self.factor * other.factor**exponent, tuple(own + exponent * added for own, added in powers))
 
@@ -166,7 +170,7 @@ LONGEST_UNIT: Final = 40  # characters of a unit
 
 
 def _find_unit(name: str) -> Unit | None:
-    """The unit of a name, in any case if unknown as written; None for an unknown name."""
+    """The unit of a name, as written or else in any case; None for an unknown name."""
     return UNITS_BY_NAME.get(name) or _UNITS_BY_LOWER_CASE.get(name.lower())
 
 
@@ -219,9 +223,9 @@ class _Vocabulary:
 
 
 def splits(header: str, unit: str) -> Iterator[tuple[str, str]]:
-    """Ways to divide a header into name and unit, the likeliest first; "" for no unit.
+    """Yield ways to divide a header into name and unit, the likeliest first; the unit is "" where there is none.
 
-    ``unit`` is one that the file states apart from the header.
+    ``unit`` is one that the file states apart from the header: if it is known, there is one way alone.
     """
     header = REPEAT_NUMBER.sub("", header)
     if parse_unit(unit):
@@ -299,7 +303,7 @@ class HeaderParser:
         return "s" if name == TIME else signals.unit(name, self.linkage)
 
     def in_stated_unit(self, signal: str, column: Column) -> Meaning:
-        """The meaning of a column as this signal, in the header's unit if that can measure the signal."""
+        """The meaning of a column as this signal, in the header's unit, or without a unit if that cannot measure it."""
         for _, text in splits(column.header, column.unit):
             unit = parse_unit(text)
             if unit is not None and unit.measures(self.unit(signal).dimension):
@@ -319,7 +323,10 @@ class HeaderParser:
         raise reasons[0]
 
     def _meaning(self, name: str, unit: Unit | None, printed: str, column: Column) -> Meaning:
-        """The meaning of a column name with a unit; raises NotJudgedError with the reason if it is not clear."""
+        """The meaning of a column name with a ``unit``, as ``printed``.
+
+        Raises NotJudgedError with the reason if it is not clear.
+        """
         if name in (TIME, *self.signals):
             if unit and not unit.measures(self.unit(name).dimension):
                 raise NotJudgedError(f"'{printed}' is no unit of {name}")
@@ -345,7 +352,10 @@ class HeaderParser:
         return Meaning(best[0], unit, printed, self._assumption(best[0], fitting[best[0]], column))
 
     def _fitting(self, read: Sequence[Meanings], unit: Unit | None) -> dict[str, Meanings]:
-        """Signals whose words are all true and whose required words are present, each with the words that fit."""
+        """Signals whose words are all true and whose required words are present, each with the words that fit.
+
+        ``read`` has the meanings of each word of the header; a ``unit``, if there is one, must fit, too.
+        """
         fitting = {}
         for name, true in self._vocabularies.items():
             if unit is not None and not unit.measures(self.unit(name).dimension):
@@ -360,7 +370,7 @@ class HeaderParser:
         return fitting
 
     def _why_no_signal(self, read: Sequence[Meanings], unit: Unit | None) -> str:
-        """The reason why a header of known words means no signal, with the names of signals of that kind."""
+        """The reason, in words, why a header of known words means no signal, with the names of signals of that kind."""
         stated = frozenset[str]().union(*read)
         kind = [name for name, true in self._vocabularies.items() if stated & true.quantity]
         kind = kind or [name for name in self._vocabularies if unit and unit.measures(self.unit(name).dimension)]
@@ -369,7 +379,10 @@ class HeaderParser:
         return f"its name fits none of {listed(dict.fromkeys(name.rpartition(':')[0] or name for name in kind))}"
 
     def _assumption(self, signal: str, stated: Meanings, column: Column) -> str:
-        """The assumption behind a column's signal, "" for none; raises NotJudgedError if its values contradict."""
+        """The assumption behind a column's signal, in words, "" for none.
+
+        Raises NotJudgedError if its values contradict. ``stated`` are the meanings that the header has.
+        """
         output = self.linkage.output
         if signal in DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:
             return "its name has no link: taken as the crank's"

@@ -107,12 +107,12 @@ class Hypothesis:
 
 
 def _certain(name: str, kind: FaultKind, values: Values, words: str, *, is_slow: bool = False) -> Hypothesis:
-    """A hypothesis that has no number to fit."""
+    """A hypothesis that has no number to fit: its targets have these values, and ``words`` is its sentence."""
     return Hypothesis(name, kind, lambda: values, lambda: words, is_slow=is_slow)
 
 
 def unit_slips(si: str, header: float | None = None) -> Iterator[tuple[float, str]]:
-    """Factors by which values are wrong if one unit is read as another, with words: "grams read as kilograms".
+    """Yield factors by which values are wrong if one unit is read as another, with words: "grams read as kilograms".
 
     ``si`` is the SI unit of the values; with a ``header``, the SI size of a unit, only that unit is read.
     """
@@ -135,7 +135,7 @@ def _slip_words(si: str, k: float) -> str:
 
 
 def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Yield every fault that lies in one column; ``names`` are the signals that it may be taken for."""
+    """Yield every fault that may lie in one column; ``names`` are the signals that it may be taken for."""
     name, size, step = evidence.name, evidence.scale, float(np.median(np.diff(evidence.time)))
     scale, offset, shift = ((name, knob) for knob in ("scale", "offset", "shift"))
 
@@ -178,7 +178,7 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
 
 
 def _single_samples(evidence: Evidence) -> Iterator[Hypothesis]:
-    """The fault that a few single samples have the other sign or are off; nothing if they are none or many."""
+    """Yield the fault that a few single samples have the other sign or are off; nothing if they are none or many."""
     name, values = evidence.name, evidence.values
     apart = np.abs(values - evidence.truth)
     stray = (apart > 5.0 * evidence.tolerance + 1e-3 * evidence.scale) & evidence.counted | evidence.over
@@ -205,7 +205,7 @@ def _mistaken_quantities(evidence: Evidence, simulation: Simulation, names: Sequ
 
 
 def of_columns(evidence: Sequence[Evidence]) -> Iterator[Hypothesis]:
-    """Faults of at least two columns at once: an axis the other way, a unit, a reaction for an action."""
+    """Yield faults of at least two columns at once: an axis the other way, a unit, a reaction for an action."""
     names = [signal.name for signal in evidence]
     component, owner = ({name: name.rpartition(":")[part] for name in names} for part in (2, 0))
     forces = [name for name in names if name.startswith("joint_force")]
@@ -237,7 +237,7 @@ def of_columns(evidence: Sequence[Evidence]) -> Iterator[Hypothesis]:
 
 
 def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Every fault of the crank's motion; speed and ramps only where a regime, no ``column`` of the file, gives it.
+    """Yield every fault of the crank's motion; speed and ramps only where no ``column`` of the file gives it.
 
     ``names`` are the file's columns.
     """
@@ -293,7 +293,10 @@ def wrap_angle(angle: float) -> float:
 
 
 def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN401 - a DriverMotion, narrowed
-    """Faults of a stated regime: another speed, another ramp, another time of the ramp."""
+    """Yield faults of a stated regime: another speed, another ramp, another time of the ramp.
+
+    ``start`` is its angle, rad.
+    """
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
     paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE_CAPTURE, 9.0), MOST_PACES)))
     yield Hypothesis("speed", SETTING, lambda k: {PACE: k, OFFSET: start * (1.0 - k)},
@@ -305,7 +308,7 @@ def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN4
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
 
     def similar(name: str, ramp: float) -> Values:
-        """The regime of this name with another ramp time, s, of the same length and speed."""
+        """The changed motion: the regime of this name with another ramp time, s, of the same length and speed."""
         ramp = min(max(abs(ramp), SHORTEST_RAMP), motion.duration)
         return {MOTION: crank_motion(name, speed=abs(speed), ramp_time=ramp, hold_time=motion.duration - ramp,
                                      clockwise=speed < 0.0, start_angle=start)}  # fmt: skip
@@ -337,7 +340,10 @@ def of_model(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
-    """Gravity of another size along the file's direction, and gravity of any direction."""
+    """Yield gravity of another size along the file's direction, and gravity of any direction.
+
+    Nothing without masses.
+    """
     (x, y), size = linkage.gravity, math.hypot(*linkage.gravity)
     if not any(link.mass for link in linkage.links.values()):
         return
@@ -369,7 +375,7 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
-    """For each group, the linkage with this group assembled in its other mode."""
+    """Yield for each group, up to MOST_MODES, the fault that it is assembled in its other mode."""
     dyads = simulation.mechanism.structure.dyads
     for number, dyad in [(n, dyad) for n, dyad in enumerate(dyads) if dyad.has_two_modes][:MOST_MODES]:
         signs = tuple(-other.sign if n == number else other.sign for n, other in enumerate(dyads))
@@ -378,7 +384,7 @@ def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
-    """A rotary damper in a pin that has none in the file, for each such pin."""
+    """Yield for each pin without a rotary damper the fault that it has one."""
     linkage = simulation.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
     size = (inertia or 1.0) * (simulation.motion.peak_speed or 1.0)
@@ -387,16 +393,18 @@ def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
     for at, *pair in (place for links, place in pins.items() if links not in present):
 
         def dampers(b: float, pair: Sequence[str] = pair) -> Values:
+            """The changed dampers: those of the file and one of ``b``, N m s, between this pair."""
             return {(LINKAGE, "dampers"): (*linkage.dampers, RotaryDamper((pair[0], pair[1]), float(b)))}
 
         def words(b: float, at: str = at) -> str:
+            """The sentence that a damper of ``b``, N m s, acts in the pin ``at``."""
             return f"a rotary damper of {b:.3g} N m s acts in the pin '{at}'"
 
         yield Hypothesis(f"damping:{at}", SEVERAL, dampers, words, (0.0,), (size,), is_linear=True)
 
 
 def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
-    """Friction by a joint's own force: left out, or in joints that have none in the file, in one or in several."""
+    """Yield friction by a joint's own force: left out, or in joints that have none in the file, in one or in all."""
     if linkage.friction:
         words = "the friction of the linkage file is left out"
         yield _certain("no friction", SETTING, {(LINKAGE, "friction"): {}}, words)
@@ -406,7 +414,7 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
     joints = {joint: unit for joint, unit in joints.items() if joint not in linkage.friction}
 
     def of(*names: str) -> dict[str, Any]:
-        """The hypothesis' arguments for friction in the joints of these names."""
+        """The hypothesis' arguments for friction in the joints of these names, a number for each."""
         sizes = tuple(0.1 * linkage.shortest_length() if joints[name] else 0.1 for name in names)
 
         def friction(*numbers: float) -> Values:
@@ -456,7 +464,7 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothesis]:
-    """Another value of one number of the description, or a direction turned; nothing if it has no effect."""
+    """Yield another value of one number of the description, or a direction turned; nothing if it has no effect."""
     kind, value, path = number.kind, number.value, number.path
     is_place, is_load = kind in (Kind.LENGTH, Kind.ACCELERATION), path[0] in LOADS
     if kind is Kind.DIRECTION:
@@ -490,7 +498,7 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
 
 
 def _number_words(name: str, number: Number) -> str:
-    """The words for a number of the description, by its name: "the mass of 'rod'"."""
+    """The words for a number of the description: "the mass of 'rod'"; its ``name`` in quotes where there are none."""
     part, *_, last = number.path
     form = NUMBER_WORDS.get((str(part), str(number.path[2]) if part == "links" else ""), "'{name}'")
     axis = "xy"[last] if isinstance(last, int) else ""
@@ -498,14 +506,17 @@ def _number_words(name: str, number: Number) -> str:
 
 
 def _inertias_about_points(linkage: Linkage, name: str) -> dict[float, str]:
-    """Names of a link's points by its moment of inertia about them, kg m²."""
+    """The names of a link's points, each by the link's moment of inertia about it, kg m².
+
+    The mass centre's own is left out, and a massless link has none.
+    """
     link = linkage.links[name]
     distances = {point: math.dist(at, link.centre) for point, at in link.points.items()}
     return {(link.inertia or 0.0) + link.mass * d**2: point for point, d in distances.items() if d and link.mass}
 
 
 def _turned(linkage: Linkage, name: str) -> Hypothesis:
-    """The hypothesis that a direction is turned by an angle, rad."""
+    """The hypothesis that the direction of this name is turned by an angle, rad."""
     known, of = named_numbers(linkage), name.removesuffix(".along")
     x, y = (known[f"{name}.{axis}"].value for axis in "xy")
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
@@ -520,7 +531,7 @@ def _turned(linkage: Linkage, name: str) -> Hypothesis:
 
 
 def _of_several_numbers(linkage: Linkage) -> Iterator[Hypothesis]:
-    """All numbers of a kind, a distance, a mass centre, mass and inertia of a link, a load."""
+    """Yield faults of several numbers: all of a kind, a distance, a mass centre, mass and inertia of a link, a load."""
     mass, inertia, length = Kind.MASS, Kind.INERTIA, Kind.LENGTH
     yield _multiplied(linkage, "every mass", "", (1e3, 1e-3), mass)
     yield _multiplied(linkage, "every moment of inertia", "", USUAL_FACTORS[inertia], inertia)
@@ -541,7 +552,10 @@ def _of_several_numbers(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float], *kinds: Kind) -> Hypothesis:
-    """The hypothesis that all numbers of some kinds, with names that begin ``under``, have a common factor."""
+    """The hypothesis that all numbers of some kinds, with names that begin with ``under``, have a common factor.
+
+    ``what`` names them in words, ``usual`` are factors to try.
+    """
     numbers = {
         label: number.value
         for label, number in named_numbers(linkage).items()

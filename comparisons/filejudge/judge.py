@@ -64,7 +64,10 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
 
 
 def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array:
-    """The largest of several trials' differences near each sample, (n,); over all samples for an unknown motion."""
+    """The largest of several trials' differences near each sample, (n,).
+
+    Over all samples for a motion that is no known one.
+    """
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
         return np.full(len(largest), np.max(largest))
@@ -74,7 +77,10 @@ def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array
 
 
 def jump_sizes(model: Simulation, signal: SignalTimes) -> Array:
-    """The change of the closed form of a signal at the jump near each sample, (n,), SI; 0 away from jumps."""
+    """The signed change, SI, from each sample to the closed form beyond the jump near it, (n,); 0 away from jumps.
+
+    Of several jumps near a sample the largest counts.
+    """
     sizes = np.zeros(len(signal.time))
     if unit(signal.name, model.linkage) not in JUMPING:
         return sizes
@@ -137,7 +143,10 @@ class SignalVerdict(Evidence):
 
     @property
     def is_noise(self) -> bool:
-        """Whether the difference has no trend: its mean and its neighbours say nothing about a sample."""
+        """Whether the difference is known to have no trend: its mean and its neighbours say nothing about a sample.
+
+        False for fewer samples than FEWEST_OF_NOISE.
+        """
         rest = (self.values - self.truth)[self.counted]
         size = float(rest @ rest)
         if len(rest) < FEWEST_OF_NOISE or not size:
@@ -161,7 +170,7 @@ class SignalVerdict(Evidence):
         )
 
     def curve(self, motion: DriverMotion) -> NDArray[np.float32]:
-        """The thinned curve of the signal, as a campaign stores it."""
+        """The thinned curve of the signal, (4, samples), as a campaign stores it."""
         return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:
@@ -186,7 +195,7 @@ class SignalVerdict(Evidence):
 def _judge_signal(
     model: Simulation, signal: ImportedSignal, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    """The verdict of one signal; ``natural`` is its natural scale, see ``natural_scales``.
+    """The verdict of one signal; ``natural`` is its natural scale, SI, ``open_`` (n,) what the file leaves open.
 
     At a jump of the crank's acceleration a sample may be off by the jump besides.
     """
@@ -219,7 +228,7 @@ def _judge_signal(
 
 
 def natural_scales(model: Simulation, signals: Sequence[SignalTimes], truth: Sequence[Array]) -> list[float]:
-    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind.
+    """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind; 0 for other kinds.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
     that are forces, and of the weights.
@@ -253,7 +262,7 @@ class ImportedJudgement:
 
     @property
     def proposals(self) -> dict[str, Correction]:
-        """Corrections by the names of signals that would make them right, to be agreed to."""
+        """Corrections by the names of signals and axes that would make them right, to be agreed to."""
         known = self.imported
         columns = [signal.name for signal in known.signals] + [signal.axis for signal in known.signals]
         return proposals(self.explanation, dict.fromkeys(columns), known.corrections)
@@ -292,7 +301,8 @@ def judge(
     """Compare every imported signal with the closed form at the file's own instants.
 
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
-    ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
+    ``limit`` is of the peak. ``gives_speed`` is False where the user states no speed, which moving signals over the
+    crank angle need. Raises LinkproofError without a signal or a motion.
     """
     moved, source, crank = _crank_motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
@@ -326,7 +336,10 @@ def judge(
 def _crank_motion(
     imported: ImportedResults, motion: DriverMotion | None, start_angle: float
 ) -> tuple[DriverMotion, str, ImportedSignal | None]:
-    """The crank's motion, its source in words, and the column that gives it; None where the motion is stated."""
+    """The crank's motion, its source in words, and the column that gives it; None where the motion is stated.
+
+    Raises LinkproofError where nothing gives it. ``start_angle``, rad, is for a column of speeds alone.
+    """
     signals = imported.signals
     if motion is not None:
         return motion, f"regime {motion.regime}", None
@@ -347,14 +360,17 @@ def _crank_motion(
 
 
 def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
-    """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
+    """Times, values and roundings, each (n,), of a column of the crank's motion.
+
+    Rounded times count in the roundings.
+    """
     time, open_ = even_instants(signal.time, signal.time_rounding)
     values = unwrap_angles(signal.values) if signal.name == "phi" else signal.values
     return time, values, signal.rounding + open_ * np.abs(np.gradient(values, time))
 
 
 def _over_time(signal: ImportedSignal, motion: DriverMotion) -> ImportedSignal:
-    """The signal over time; one over the crank angle gets the times of a constant speed."""
+    """The signal over time, in its order; one over the crank angle gets the times of a constant speed."""
     time, rounding = even_instants(signal.time, signal.time_rounding)
     order = np.arange(len(time))
     if signal.axis == "phi":
@@ -368,7 +384,7 @@ def _over_time(signal: ImportedSignal, motion: DriverMotion) -> ImportedSignal:
 
 
 def _check_speed(model: Simulation, signals: Sequence[ImportedSignal], *, gives_speed: bool) -> None:
-    """Raise LinkproofError for moving signals over the crank angle where the user states no speed."""
+    """Raise LinkproofError if a signal over the crank angle needs the speed and ``gives_speed`` is False."""
     known = table(model.mechanism)
     over_angle = [signal.name for signal in signals if signal.axis == "phi"]
     moving = [name for name in over_angle if name not in known or not known[name].is_still]
@@ -390,7 +406,7 @@ def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> Im
 
 
 def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
-    """Signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
+    """Yield signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
     for verdict in judged:
         time = verdict.time
         if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):

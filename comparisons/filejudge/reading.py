@@ -50,7 +50,7 @@ class MapEntry:
         return LinkproofError(f"--map '{shortened(self.text)}': {message}")
 
     def meaning(self, parser: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
-        """The meaning of the column and its correction, SI; raises LinkproofError for an unknown signal or unit."""
+        """The column's meaning and its correction, in SI; raises LinkproofError for an unknown signal or unit."""
         if self.signal not in (TIME, *parser.signals):
             raise self.fail(str(UnknownNameError("signal", self.signal, (TIME, *parser.signals))))
         si, unit = parser.unit(self.signal).dimension, parse_unit(self.unit)
@@ -88,7 +88,10 @@ def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEn
 
 
 def _lines(given: str) -> list[str]:
-    """The entries of one ``--map``: the lines of a file that it names, or its own text."""
+    """The entries of one ``--map``: its own text, or without "=" the lines of the file that it names.
+
+    Raises LinkproofError.
+    """
     if "=" in given:
         return [given]
     return [*filter(str.strip, read_text(Path(given), expected=f"{ENTRIES}, or a file of such lines").text.split("\n"))]
@@ -134,7 +137,10 @@ class _Reading:
         return [(column, column.meaning) for column in every if column.meaning is not None]
 
     def _read(self, table: ResultTable, column: Column) -> _ReadColumn:
-        """A column with its meaning and correction, or with the reason why it has none."""
+        """A column with its meaning and correction, or with the reason why it has none.
+
+        Raises LinkproofError without a unit.
+        """
         entry, correction, header = self.entries.get(_comparable(column.header)), NOTHING, shortened(column.header)
         if entry is not None and not entry.signal:
             return _ReadColumn(table, column, None, reason="--map leaves it out")
@@ -157,7 +163,10 @@ class _Reading:
         return _ReadColumn(table, column, meaning, unit.factor, correction)
 
     def _axis(self, table: ResultTable) -> tuple[_ReadColumn, Meaning] | None:
-        """The axis of a table with its meaning: time, else the crank angle; None without either."""
+        """The axis of a table with its meaning: time, else the crank angle; None for a table without any meaning.
+
+        Raises LinkproofError for a table that has signals but no axis.
+        """
         every = self.with_meaning(table)
         axes = [pair for name in (TIME, "phi") for pair in every if pair[1].signal == name]
         if every and not axes:
@@ -169,7 +178,10 @@ class _Reading:
         return axes[0] if axes else None
 
     def _refuse_duplicates(self) -> None:
-        """Raise LinkproofError for two columns of one signal or axis; a guessed one gives way to a named one."""
+        """Raise LinkproofError for two columns of one signal or axis.
+
+        If one of them is guessed, it loses its meaning instead.
+        """
         seen: dict[tuple[str, int], tuple[_ReadColumn, Meaning]] = {}
         for column, meaning in sorted(self.with_meaning(), key=lambda pair: bool(pair[1].assumption)):
             axis = self.axes[id(column.table)]
@@ -187,7 +199,10 @@ class _Reading:
             column.meaning, column.reason = None, f"'{shortened(before.column.header)}' names {meaning.signal}"
 
     def signals(self, table: ResultTable) -> Iterator[ImportedSignal]:
-        """The signals of a table, corrected and in SI."""
+        """Yield the signals of a table, corrected and in SI, over its axis.
+
+        Raises LinkproofError for one that turns back.
+        """
         pair = self.axes[id(table)]
         if pair is None:
             return
@@ -235,9 +250,10 @@ def read_results(
 
 
 def _distinct_rows(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
-    """Indices of the rows with instants of their own, the last of equal ones, and words on rows left out.
+    """Indices of the rows with instants of their own, the last of equal ones, and words on rows left out, "" for none.
 
-    Tools write an instant twice where an event changes the motion. Raises LinkproofError for an axis that turns back.
+    Tools write an instant twice where an event changes the motion. Raises LinkproofError for an axis that turns back,
+    or has fewer than FEWEST instants.
     """
     steps, what = np.diff(column.values), f"{column.place}: expected"
     is_backward = name == "phi" and len(steps) and column.values[-1] < column.values[0]

@@ -111,20 +111,23 @@ class Simulation:
         return other
 
     def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
-        """Values (n,), SI, of each signal at its times, nan where a column has none; those on one clock share work."""
+        """Values (n,), SI, of each curve at its times, nan where a column has none; those on one clock share work."""
         truths: dict[bytes, Truth] = {}
         return [self._column(curve, truths) for curve in curves]
 
     def concerns(self, name: str, before: Simulation) -> bool:
-        """Whether a column may have changed since the simulation ``before``, which had other values."""
+        """Whether the column ``name`` may differ between this simulation and one ``before``, with other values."""
         return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
 
     def _seen_of_motion(self) -> dict[tuple[str, bytes], Array]:
-        """The cache of signals that do not depend on masses and loads, by name and clock."""
+        """The known values of signals that do not depend on masses and loads, by name and clock."""
         return {key: values for key, values in self._seen.items() if _unit(key[0], self.linkage) in OF_MOTION}
 
     def _truth(self, time: Array, clock: bytes) -> Truth:
-        """The closed form at times (n,), s; its sweep is kept for simulations that move alike."""
+        """The closed form at times (n,), s.
+
+        ``clock`` are their bytes, by which its sweep is kept for other simulations.
+        """
         truth = Truth(self.mechanism, self.motion, time)
         if clock in self._sweeps:
             truth.__dict__["sweep"] = self._sweeps[clock].with_loads_of(self.linkage)
@@ -176,7 +179,7 @@ def _centrifugal(sweep: Sweep) -> Array:
 
 
 def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
-    """A linkage with other numbers, SI, by name; lengths change no masses. Raises LinkproofError.
+    """A linkage with other numbers, SI, by name; lengths change no masses.
 
     Raises LinkproofError for two points of a link in one place.
     """
@@ -205,22 +208,22 @@ class ChangedMotion:
 
     @property
     def regime(self) -> str:
-        """Name of the regime."""
+        """Name of the regime, that of the original motion."""
         return self.motion.regime
 
     @property
     def duration(self) -> float:
-        """Time at which it ends, s."""
+        """Time at which the original motion ends, s."""
         return self.motion.duration
 
     @property
     def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
+        """Largest |ω|, rad/s, whatever ``order`` leaves out."""
         return self.motion.peak_speed * abs(self.pace)
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s."""
+        """Times at which the acceleration jumps, s, whatever ``order`` leaves out."""
         return tuple(jump - self.shift for jump in self.motion.jumps)
 
     def _clock(self, time: ArrayLike) -> Array:
@@ -241,5 +244,5 @@ class ChangedMotion:
 
 
 def is_rotary(name: str) -> bool:
-    """Whether a signal changes sign when the mechanism is seen from behind: rotations and torques."""
+    """Whether a signal changes sign when the mechanism is seen from behind: rotations and torques, by its name."""
     return name in ("phi", "omega", "epsilon", "Mkr", "shaking_moment") or name.startswith("link:")

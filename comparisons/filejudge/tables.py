@@ -79,7 +79,11 @@ class ResultText:
 
 
 def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
-    """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
+    """Every table of a file in its order, as its suffix says.
+
+    Raises LinkproofError, with file and line, for one that has none. ``encoding`` is that of a text, if the user names
+    one.
+    """
     kind, name = path.suffix.lower(), printable(str(path))
     if kind == ".mat":
         every = _read_isolated(_matlab_tables, path)
@@ -102,8 +106,8 @@ def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
 def read_text(path: Path, encoding: str = "", expected: str = EXPECTED) -> ResultText:
     """The text of a file in UTF-8, UTF-16 with its mark, or the ``encoding`` that the user names.
 
-    Line ends become line feeds, and typographic signs plain ones. Raises LinkproofError for other bytes and for a
-    binary file.
+    Line ends become line feeds, and typographic signs plain ones. ``expected`` says in messages what the file should
+    be. Raises LinkproofError for other bytes and for a binary file.
     """
     content, name = read_file(path, expected, LARGEST), printable(str(path))
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
@@ -157,19 +161,19 @@ class _Signs(NamedTuple):
     decimal: str
 
     def cells(self, row: str) -> list[str]:
-        """The cells of a row, quotes taken away, numbers with a decimal point."""
+        """The cells of a row, quotes taken away, decimal commas turned into points."""
         cells = row.replace('"', "").split() if self.delimiter == BLANK else _split_cells(row, self.delimiter)
         return [cell.replace(",", ".") for cell in cells] if self.decimal == "," else cells
 
 
 def _split_cells(row: str, delimiter: str) -> list[str]:
-    """The cells of a row between delimiters, quotes taken away."""
+    """The cells of a row between delimiters, quotes and outer spaces taken away."""
     cells = next(csv.reader([row[:LONGEST_ROW]], delimiter=delimiter, skipinitialspace=True), [])
     return [" ".join(cell.split()) for cell in cells]
 
 
 def _find_signs(row: str, text: str) -> _Signs:
-    """The delimiter and decimal sign of a text, from its first ``row`` of numbers."""
+    """The delimiter and decimal sign of a text, from its first ``row`` of numbers and from all of them."""
     bare = QUOTED.sub("0", row.strip(" "))
     delimiter = next((sign for sign in "\t;" if sign in bare), "")
     delimiter = delimiter or (BLANK if BETWEEN_BLANKS.search(bare) or "," not in bare else ",")
@@ -183,7 +187,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _text_tables(file: ResultText) -> Iterator[ResultTable]:
-    """The tables of a text; numbers alone, without a line above them, have columns without names.
+    """Yield the tables of a text; numbers alone, without a line above them, have columns without names.
 
     Raises LinkproofError with file and line.
     """
@@ -216,7 +220,7 @@ def _text_tables(file: ResultText) -> Iterator[ResultTable]:
 
 
 def _parts(text: str) -> Iterator[_Part]:
-    """The blocks of rows, each beginning with a number, and the lines of text between them, in order."""
+    """Yield the blocks of rows, each beginning with a number, and the lines of text between them, in order."""
     start, line = 0, 1
     for words in chain(TEXT_LINE.finditer(text), [None]):
         end = words.start() if words else len(text)
@@ -230,7 +234,11 @@ def _parts(text: str) -> Iterator[_Part]:
 
 
 def _find_header(file: ResultText, above: Sequence[_Part], signs: _Signs, first: Sequence[str], at: int) -> _Header:
-    """The last line above the ``first`` row with a header for every column, and the row of units below it, if any."""
+    """The last of the lines ``above`` the ``first`` row that has a header for every column, with units.
+
+    Units are those of a row of units below it, if there is one. ``at`` is the line of the first row. Raises
+    LinkproofError without such a line, or for a row of numbers that is spoilt.
+    """
     fitting = []
     filled = max((number for number, cell in enumerate(first, start=1) if cell), default=0)
     for line, text, _ in above:
@@ -257,7 +265,7 @@ def _find_header(file: ResultText, above: Sequence[_Part], signs: _Signs, first:
 
 
 def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
-    """Ways to divide a line of headers into cells, the likeliest first; a comment's sign is dropped."""
+    """Yield ways to divide a line of headers into cells, the likeliest first; a comment's sign is dropped."""
     line = COMMENT.sub("", line, count=1) if COMMENT.match(line) else line
     for delimiter in dict.fromkeys((signs.delimiter, "\t", ";", ",")):
         if delimiter != BLANK and delimiter in line:
@@ -281,9 +289,10 @@ def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs,
 
 
 def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) -> ResultTable:
-    """The table of a block of rows; a column that is empty throughout is left out, and the first where it comes again.
+    """The table of a block of rows; raises LinkproofError for a row that is none.
 
-    Adams writes the time beside every curve.
+    A column that is empty throughout is left out, and the first where it comes again: Adams writes the time beside
+    every curve.
     """
     text = part.text.replace("D", "e").replace("d", "e")  # Fortran writes exponents with a D
     form: Any = {"sep": signs.delimiter, "decimal": signs.decimal, "header": None, "skipinitialspace": True}
@@ -314,7 +323,7 @@ def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) ->
 
 
 def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
-    """Raise LinkproofError for the first row of a block that is no row of numbers."""
+    """Raise LinkproofError for the first row of a block that is no row of numbers, or for the block."""
     rows = part.text.replace("D", "e").replace("d", "e").split("\n")
     first = signs.cells(rows[0])
     for number, row in enumerate(rows, start=part.line):
@@ -325,7 +334,10 @@ def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
 
 
 def _check_row(file: ResultText, line: int, cells: Sequence[str], first: Sequence[str]) -> None:
-    """Raise LinkproofError for a row with another number of cells than the first, or with no finite number in one."""
+    """Raise LinkproofError for a row with another number of cells than the ``first``, or with no finite number in one.
+
+    A cell may be empty where that of the first row is.
+    """
     if len(cells) != len(first):
         raise file.fail(
             line,
@@ -358,7 +370,10 @@ def resolution(values: Array, words: Sequence[str]) -> Array:
 
 
 def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
-    """The tables, headers that repeat numbered as in ``Torque #2``, so that a user can name each; axes excepted."""
+    """The tables with repeated headers numbered as in ``Torque #2``, so that a user can name each; axes excepted.
+
+    A column without a header becomes "column 2".
+    """
     counts: Counter[str] = Counter()
     result = []
     for table in every:
@@ -379,7 +394,7 @@ def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
 
 
 def _adams_table(file: ResultText) -> ResultTable:
-    """A column for each component; raises LinkproofError with the file, and the step as the line."""
+    """The steps of an Adams result file as a table; raises LinkproofError with the file, and the step as the line."""
     names: dict[int, tuple[str, str]] = {}  # header and unit by id
     steps: list[str] = []
     entity = ""
@@ -411,7 +426,10 @@ def _adams_table(file: ResultText) -> ResultTable:
 
 
 def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
-    """The result of a reader that runs in another process; raises LinkproofError for any failure there."""
+    """The result of a reader that runs in another process, within READER.
+
+    Raises LinkproofError for any failure there.
+    """
     check_file(path, EXPECTED, LARGEST)
     processes = min(1, most_processes())
     results: list[tuple[int, R | str | Lost]] = [
@@ -427,7 +445,7 @@ def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
 
 
 def _result_or_words(reader: Callable[[Path], R], path: Path) -> R | str:
-    """The result of a reader, or the error that it raised, in words."""
+    """The result of a reader, or the error that it raised, in words; a MemoryError is raised."""
     try:
         return reader(path)
     except MemoryError:
@@ -450,11 +468,12 @@ def _workbook_texts(path: Path) -> list[tuple[str, str]]:
 
 
 def _matlab_tables(path: Path) -> list[ResultTable]:
-    """A table of all curves of a length, each as sharp as its numbers are.
+    """A table for each length of curves in a MATLAB file; raises ValueError for one too large or not finite.
 
-    OpenModelica and Dymola write trajectories as matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is
-    constant) and ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the
-    matrix and the row, with a sign. Other curves are vectors and the columns of matrices.
+    Each column is as sharp as its numbers are. OpenModelica and Dymola write trajectories as matrices ``Aclass``,
+    ``name``, ``dataInfo``, ``data_1`` (what is constant) and ``data_2``, as they are or transposed (``Aclass[3]`` says
+    which): ``dataInfo`` has for each name the matrix and the row, with a sign. Other curves are vectors and the columns
+    of matrices.
     """
     from scipy.io import loadmat, whosmat  # noqa: PLC0415 - where one is read
 

@@ -74,7 +74,7 @@ def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recip
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
-    """The figures with the largest errors: one of places, of angles, of the torque and of forces.
+    """The figures with the largest errors: for each channel one of places and one of angles, or one.
 
     Channels without a true value at some instant, as in a dead position, are left out.
     """
@@ -88,7 +88,7 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
 
 def _figure(worst: SignalError) -> ScriptFigure:
-    """The component of a signal with the largest error, as a ScriptFigure."""
+    """The component of a signal with the largest error, at its instant, as a ScriptFigure with the true value."""
     read, true = worst.read, worst.true
     row, column = divmod(int(np.argmax(worst.components)), worst.components.shape[1])
     values = (float(read.time[row]), float(read.values[row, column]), float(true.values[row, column]))

@@ -54,7 +54,10 @@ class ObservedMotion:
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
-        """The signal of a recorded channel; a free crank's torque is taken from the drive."""
+        """The signal of a recorded channel, no joint force; a free crank's torque is taken from the drive.
+
+        There must be one.
+        """
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
             time = self.signal(Channel.ACCELERATION).time
             return Signal(time, self.scene.drive.torque_at(time))
@@ -71,7 +74,7 @@ class ObservedMotion:
         return getattr(self.history, channel.value) is not None
 
     def origin(self, channels: Iterable[Channel]) -> Origin:
-        """The weakest origin of the signals in these channels."""
+        """The weakest origin of the signals in these channels, which must have been recorded."""
         signals = [s for c in channels for s in (self.history.joint_force.values() if c is Channel.JOINT_FORCE
                    else (self.signal(c),))]  # fmt: skip
         return weakest(signal.origin for signal in signals)
@@ -99,7 +102,7 @@ class ObservedMotion:
         return turn if len(ways) >= DENSE and (np.all(ways > 0.0) or np.all(ways < 0.0)) else None
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
-        """A channel's values at other times, interpolated to sixth order between its samples."""
+        """A channel's values at times, s, (n, ...), interpolated to sixth order between its samples."""
         return resample_piecewise(self.signal(channel), time, self.jumps)
 
     @property
@@ -109,7 +112,7 @@ class ObservedMotion:
         return () if isinstance(drive, Free) else drive.motion.jumps
 
     def bodies(self, channel: Channel, time: Array) -> Array:
-        """Position, velocity or acceleration of every body, (n, bodies, 3)."""
+        """Position, velocity or acceleration of every body at times (n,), s, the ground last: (n, bodies, 3)."""
         return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
 
     def pose(self, time: Array) -> Pose:
@@ -117,7 +120,7 @@ class ObservedMotion:
         return pose_of(self.bodies(Channel.POSITION, time))
 
     def crank(self, channel: Channel, time: Array) -> Array:
-        """φ, rad or m, or its speed or acceleration, by the engine's own account."""
+        """φ, rad or m, or its speed or acceleration, by the channel, at times (n,), s, as the engine has it."""
         signal = self.signal(channel)
         if self.is_linear:
             levels = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
@@ -133,33 +136,39 @@ class ObservedMotion:
         return np.asarray(0.5 * np.einsum("nbk,bk->n", velocity**2, self.masses))
 
     def potential_energy(self, time: Array) -> Array:
-        """Energy of gravity and springs, J; that of gravity is 0 at the ground's origin."""
+        """Energy of gravity and springs, J, at times (n,), s; that of gravity is 0 at the ground's origin."""
         return np.asarray(potential_energy(self.scene, self.pose(time)), dtype=float)
 
     def load_power(self, time: Array) -> Array:
-        """Power of forces at points, torques on links, dampers and dashpots, W: of the loads without a potential."""
+        """Power, W, at times (n,), s, of forces at points, torques on links, dampers and dashpots: no potential."""
         return self._power(without_potential(self.scene), time)
 
     def dissipation(self, time: Array) -> Array:
-        """Power that dampers and dashpots take, W; never negative."""
+        """Power, W, at times (n,), s, that dampers and dashpots take; never negative."""
         damped = replace(without_potential(self.scene), forces=(), torques=())
         return np.maximum(-self._power(damped, time), 0.0)
 
     def _power(self, scene: Scene, time: Array) -> Array:
-        """Power (n,), W, of the loads of a scene."""
+        """Power (n,), W, of the loads of a ``scene``, this motion's with some left out."""
         if not (scene.forces or scene.torques or scene.dampers or scene.springs):
             return np.zeros(len(time))
         rate = self.bodies(Channel.VELOCITY, time)
         return np.asarray(np.einsum("nbk,nbk->n", applied_loads(scene, self.pose(time), rate), rate))
 
     def joint_gaps(self, time: Array) -> dict[str, Array]:
-        """The opening of every joint, m, (n,), by name: pins apart, sliders and slot pins off their line."""
+        """The opening of every joint, m, (n,), by name: pins apart, sliders and slot pins off their line.
+
+        None is negative.
+        """
         equations, pose = JointEquations(self.scene, unit=1.0), self.pose(time)
         openings = equations.openings(equations.residual(pose, equations.arms(pose)))
         return {name: np.asarray(openings[:, number]) for number, name in enumerate(equations.joints)}
 
     def point(self, body: str, anchor: Vector, time: Array, order: int = 0) -> Array:
-        """A point fixed in a body, (n, 2), m; its velocity (``order`` 1) or acceleration (2)."""
+        """A point fixed in a body at times (n,), s: place (n, 2), m, velocity (``order`` 1) or acceleration (2).
+
+        ``anchor`` is in the body's own frame, from its mass centre.
+        """
         number, pose = self.numbers[body], self.pose(time)
         if order == 0:
             return np.asarray(pose.point(number, anchor))
@@ -175,7 +184,7 @@ class ObservedMotion:
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
     """Values of a signal at other times, (len(time), ...); of order ``points`` inside, one-sided at the ends.
 
-    On the signal's own clock the values come back untouched.
+    On the signal's own clock the values come back untouched. Raises ValueError for a signal with fewer samples.
     """
     if time is signal.time or np.array_equal(time, signal.time):
         return signal.values
@@ -244,7 +253,7 @@ def _same_time(time: Array) -> float:
 
 
 def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> Array:
-    """∫ dt from the first sample to each, of an even order up to 6 between the times at which the signal jumps.
+    """∫ dt of a signal (n,) from the first sample to each, (n,), of an even ``order`` up to 6 between its ``jumps``, s.
 
     It is the integral of what ``resample`` puts between the samples. A sample on a jump has two values, so that it is
     dropped and both sides are extrapolated to it.
@@ -266,7 +275,7 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
 
 
 def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
-    """The integral from the first node to each; a stretch of few samples is taken for a polygon."""
+    """The integral of a ``stretch`` from the first node, s, to each; one of few samples is taken for a polygon."""
     step = np.diff(nodes)
     places = (nodes[:-1, None] + 0.5 * step[:, None] * (1.0 + PLACES)).ravel()
     if len(stretch.time) >= POINTS:
@@ -280,10 +289,10 @@ def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
 
 
 def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """Estimated error of ``integral`` up to each sample, never falling: its distance from the integral of fourth order.
+    """Estimated error of ``integral``, here ``fine``, at each sample: its distance from that of fourth order.
 
-    Of a signal that its samples resolve this is several times the error; of one that they do not, less than it.
-    Infinite where there are too few samples to tell.
+    It never falls. Of a signal that its samples resolve this is several times the error; of one that they do not, less
+    than it. Infinite where there are too few samples to tell.
     """
     if len(signal.time) < FEWEST:
         return np.full(len(signal.time), np.inf)
@@ -291,10 +300,10 @@ def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Arr
 
 
 def error_bound(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """Error bound of ``integral`` up to each sample, never falling: its distance from that of every other sample.
+    """Error bound of ``integral``, here ``fine``, at each sample: its distance from that of every other sample.
 
-    Of a signal that its samples resolve, this is some sixty times the error; of a peak as narrow as a few samples still
-    no less than it. Infinite where there are too few samples to tell.
+    It never falls. Of a signal that its samples resolve, this is some sixty times the error; of a peak as narrow as a
+    few samples still no less than it. Infinite where there are too few samples to tell.
     """
     time = signal.time
     if len(time) < FEWEST:

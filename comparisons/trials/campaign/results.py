@@ -120,7 +120,7 @@ class CampaignResults:
 
     @property
     def rows(self) -> list[Error]:
-        """All errors and key figures, as rows."""
+        """All errors of runs, invariants and key figures, as one list."""
         return [*self.records, *self.invariants, *self.figures]
 
     @cached_property
@@ -144,7 +144,10 @@ class CampaignResults:
         return {run.run: run.curves for run in self.runs}
 
     def curve(self, run: Sequence[str], quantity: str) -> Curve:
-        """The curve, ``CURVE``, (4, samples), of a run (mechanism, variant, regime, engine, setting) and quantity."""
+        """The curve, ``CURVE``, (4, samples), of a run (mechanism, variant, regime, engine, setting) and quantity.
+
+        Raises KeyError without one.
+        """
         return self._curves[tuple(run)][quantity]
 
 
@@ -153,7 +156,7 @@ def document(
     command: str,
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``."""
+    """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``, by engine."""
     return {
         "command": command,
         "conditions": request.conditions,
@@ -175,12 +178,12 @@ def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Ch
 
 
 def checksum(text: str) -> str:
-    """A checksum of a linkage file's text."""
+    """A checksum of a linkage file's text, 16 hexadecimal digits."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
-    """The document with its runs added: a row per quantity and invariant, and details by run."""
+    """A copy of the document with its runs added: a row per quantity and invariant, and details by run."""
     records = list(runs)
     return {
         **table,
@@ -191,13 +194,13 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
 
 
 def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
-    """Write a campaign or judgement into a folder, replacing another one there and a designer's results."""
+    """Write a campaign or judgement into a folder, replacing another study there, be it a designer's results."""
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
-    """The kind of study that a document holds: a judgement or a comparison."""
+    """The kind of study that a document holds: JUDGE or COMPARE."""
     return JUDGE if "judgement" in table else COMPARE
 
 
@@ -222,7 +225,7 @@ CURVE_COLUMNS: Final = ("mechanism", "variant", "regime", "engine", "setting", "
 
 
 def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
-    """Write the curves of all runs into a CSV file, with every digit of their few samples.
+    """Write the curves of all runs into a CSV file, replacing it, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
     observed and reference in the unit.

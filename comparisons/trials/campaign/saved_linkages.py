@@ -53,7 +53,7 @@ def linkage_row(linkage: Linkage) -> LinkageRow:
 
 
 def described_linkage(row: LinkageRow) -> Linkage:
-    """The linkage that a row saved."""
+    """The linkage that a row saved, under its gravity; raises DescriptionError for a damaged text."""
     own = parse(row["text"], row["name"], row["name"], row["variant"])
     return replace(own, gravity=(row["gravity"][0], row["gravity"][1]))
 
@@ -70,7 +70,7 @@ def described_motion(row: MotionRow) -> CrankMotion:
 
 
 def save_case(folder: Path, case: Case) -> None:
-    """Write a case into a folder, replacing an earlier one of its linkage and variant."""
+    """Write a case into a folder, replacing an earlier one of its linkage and variant; it becomes the last."""
     linkage, motion = case.mechanism.linkage, case.motion
     row = CaseRow(
         linkage=linkage_row(linkage),
@@ -89,12 +89,12 @@ def _key(row: CaseRow) -> str:
 
 
 def load_cases(folder: Path) -> list[Case]:
-    """The saved cases of a folder; raises LinkproofError for a damaged one."""
+    """The saved cases of a folder, [] without any; raises LinkproofError for a damaged one."""
     return [*map(_case_of_row, _load_rows(folder))] if has_study(folder, RESULTS) else []
 
 
 def _load_rows(folder: Path) -> tuple[CaseRow, ...]:
-    """The saved cases of a folder as rows."""
+    """The saved cases of a folder as rows; raises LinkproofError for a damaged or missing file."""
     return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), lambda row, _: CASE.validate_python(row))[1]
 
 

@@ -41,11 +41,11 @@ def figures_of_case(case: Case) -> list[Error]:
 
 
 def key_figures(case: Case) -> dict[str, float]:
-    """Key figures of a case over its motion, SI, by name.
+    """Key figures of a case over its motion, SI, by name; those that it lacks or that are not finite are left out.
 
-    A name is one of ``comparisons.designer.figures``.
-    ``output:point:x@0s``, ``output:direction:x`` and ``thread:length@0s`` are no figures of a signal: which point is
-    the output, its direction, and the length of the thread.
+    A name is one of ``comparisons.designer.figures``. ``output:point:x@0s``, ``output:direction:x`` and
+    ``thread:length@0s`` are no figures of a signal: which point is the output, its direction, and the length of the
+    thread.
     """
     mechanism, curves = case.mechanism, Curves(case)
     points = [f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy"]
@@ -58,7 +58,7 @@ def key_figures(case: Case) -> dict[str, float]:
 
 
 def _description_figures(case: Case) -> Iterator[tuple[str, float]]:
-    """Figures of the description, SI, that may change while no signal does, by name."""
+    """Yield figures of the description, SI, that may change while no signal does, each with its name."""
     linkage, start = case.mechanism.linkage, case.start()
     if linkage.output is not None:
         place = start.point(linkage.output.point)
@@ -97,17 +97,18 @@ def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> lis
 def changes_since(
     before: Iterable[Error], now: Iterable[Error], request: CampaignRequest, *, every_variant: bool = False
 ) -> tuple[Change, ...]:
-    """The changes since rows ``before`` were recorded, of those results that a request asks for."""
+    """The changes from rows ``before`` to those ``now``, of those results that a request asks for."""
     is_asked = asked_rows(request, every_variant=every_variant)
     return tuple(changes(filter(is_asked, before), filter(is_asked, now)))
 
 
 def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Callable[[Error], bool]:
-    """Whether a request asks for a row: of its variants, engines, settings, quantities and motions.
+    """The function that says whether a request asks for a row: its variant, engine, setting, quantity and motion.
 
     A linkage that it does not name is asked for, since its file may be deleted or renamed, and so is a motion with and
     without gravity, which is the linkage's. Naive settings decide nothing beside others, and are left out there. A
-    regime of a linkage's own file is the same whatever its conditions are.
+    regime of a linkage's own file is the same whatever its conditions are. ``every_variant`` asks for the closed form's
+    other variants, too.
     """
     variants = {linkage.name: linkage.variant for linkage in request.linkages}
     motions = {(case.motion.regime, _without_gravity(case.conditions)) for case in each_case(request)}

@@ -47,7 +47,10 @@ BESIDE = 4  # samples from the start, or from where two parts meet
 
 
 def check_channel(channel: Channel, trial: EngineTrial) -> None:
-    """Check one channel of every sample against the closed form, within the limit of ``tuned``."""
+    """Raise AssertionError where a channel of a sample is off the closed form by more than the limit of ``tuned``.
+
+    Raises NotTestedError if the engine does not offer it, or no sample has it.
+    """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     is_compared = False
@@ -72,7 +75,7 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
 
 
 def _error_words(worst: SignalError, bound: float) -> str:
-    """Words on a signal's largest error, its time, the samples over the bound, and the likeliest cause."""
+    """Words on a signal's largest error, its time, the samples over the ``bound``, and the likeliest cause."""
     reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
     words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
     if len(over) > FEW * len(time):
@@ -90,7 +93,7 @@ def _error_words(worst: SignalError, bound: float) -> str:
 
 
 def check_samples(trial: EngineTrial) -> None:
-    """Check that sample times increase to the end of the motion, densely enough to be read between."""
+    """Raise AssertionError unless sample times increase to the end of the motion, densely enough to be read between."""
     for sample, scene, history in trial.histories():
         motion = sample_case(sample).motion
         for reading in readings(scene, history):
@@ -125,7 +128,7 @@ CHANNEL_CHECKS = (
 
 
 def check_identity(trial: EngineTrial) -> None:
-    """Check that name, version and abilities are as the contract requires."""
+    """Raise AssertionError unless name, version and abilities are as the contract requires."""
     with blamed_on(trial.engine):
         check_adapter(trial.engine)
     can = trial.engine.abilities
@@ -140,12 +143,18 @@ def check_identity(trial: EngineTrial) -> None:
 
 
 def check_installed(trial: EngineTrial) -> None:
-    """Check that the engine can be used and finishes the plain sample; all other checks rest on this."""
+    """Raise AssertionError unless the engine finishes the plain sample, on which all other checks rest.
+
+    Raises NotTestedError where it is not installed.
+    """
     trial.finished_history(PLAIN, trial.setting)
 
 
 def check_refusals(trial: EngineTrial) -> None:
-    """Check that a scene beyond the engine's abilities is refused as unsupported, with a reason."""
+    """Raise AssertionError unless a scene beyond the engine's abilities is refused as unsupported, with a reason.
+
+    Raises NotTestedError where its abilities cover everything.
+    """
     unsupported = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
     unsupported += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
     if not unsupported:
@@ -160,7 +169,10 @@ def check_refusals(trial: EngineTrial) -> None:
 
 
 def check_claims(trial: EngineTrial) -> None:
-    """Check that every sample within its abilities is run, or refused for a reason that these cannot state."""
+    """Raise AssertionError unless every sample within its abilities is run.
+
+    Raises NotTestedError, with the reasons, if it refuses some for reasons that its abilities cannot state.
+    """
     refused = []
     for sample in SAMPLES:
         try:
@@ -172,12 +184,12 @@ def check_claims(trial: EngineTrial) -> None:
 
 
 def _with_first_body(scene: Scene, **changes: object) -> Scene:
-    """A scene with other fields of its first body."""
+    """A copy of a scene with other fields of its first body."""
     return replace(scene, bodies=(replace(scene.bodies[0], **changes), *scene.bodies[1:]))  # type: ignore[arg-type]
 
 
 def _with_first_pin(scene: Scene, **changes: object) -> Scene:
-    """A scene with changes in the pin that is last in it, moved to the front."""
+    """A copy of a scene with other fields of the pin that is last in it, which is moved to the front."""
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
@@ -197,7 +209,7 @@ BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
 
 
 def check_bad_data(trial: EngineTrial) -> None:
-    """Check that unusable data give an outcome with a reason, without an exception or a crash."""
+    """Raise AssertionError unless unusable data give an outcome with a reason, without an exception or a crash."""
     for words, spoil in BAD_SCENES.items():
         run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
         assert run.outcome is not Outcome.FINISHED, (
@@ -208,7 +220,7 @@ def check_bad_data(trial: EngineTrial) -> None:
 
 
 def check_recording(trial: EngineTrial) -> None:
-    """Check that exactly the requested and offered channels are recorded, and that this changes no step."""
+    """Raise AssertionError unless exactly the requested and offered channels are recorded, and this changes no step."""
     steps = trial.run(PLAIN).steps
     for channel in Channel:
         scene = case(PLAIN).scene(frozenset({channel}))
@@ -227,7 +239,7 @@ def check_recording(trial: EngineTrial) -> None:
 
 
 def check_repetition(trial: EngineTrial) -> None:
-    """Check that two runs of one scene agree to the last bit."""
+    """Raise AssertionError unless two runs of one scene agree to the last bit."""
     first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
     pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
@@ -239,7 +251,7 @@ def check_repetition(trial: EngineTrial) -> None:
 
 
 def check_settings(trial: EngineTrial) -> None:
-    """Check that every setting that is claimed runs under every drive that is claimed."""
+    """Raise AssertionError unless every setting that is claimed runs under every drive that is claimed."""
     for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
         for setting in sorted(trial.engine.abilities.settings):
             run = trial.run(sample, setting)
@@ -250,7 +262,10 @@ def check_settings(trial: EngineTrial) -> None:
 
 
 def check_origins(trial: EngineTrial) -> None:
-    """Check that ``naive`` and ``tuned`` are one run, and that results of several runs are not labelled as read."""
+    """Raise AssertionError unless ``naive`` and ``tuned`` are one run each, with origins to match.
+
+    Values of several runs must not be labelled as read, nor those of one as extrapolated.
+    """
     for setting in sorted(trial.engine.abilities.settings):
         run, is_single = trial.run(PLAIN, setting), setting is not Setting.BEST
         assert not is_single or len(run.passes) <= 1, (
@@ -268,7 +283,7 @@ def check_origins(trial: EngineTrial) -> None:
 
 
 def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
-    """Every recorded signal of a run in words, with its origin."""
+    """Yield every recorded signal of a run, in words, with its origin; nothing for a run without history."""
     if run.history is not None:
         yield from (
             (name, signal.origin) for name, signal in vars(run.history).items() if name != "joint_force" and signal
@@ -277,7 +292,7 @@ def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
 
 
 def check_silence(trial: EngineTrial) -> None:
-    """Check that a run, made or refused, writes nothing to standard output or error, also by C code."""
+    """Raise AssertionError if a run, made or refused, writes to standard output or error, be it by C code."""
     with tempfile.NamedTemporaryFile("a+") as written:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
             run_engine(trial.engine, scene_of(PLAIN), trial.setting)

@@ -30,7 +30,7 @@ CHECKS: Final[Mapping[str, EngineCheck]] = {
 
 
 def examine(pickled: bytes, name: str) -> CheckResult:
-    """The result of the check of this name, made with a pickled engine in this process."""
+    """The result of the check of this name, made with a pickled engine in this process, which keeps its runs."""
     return CHECKS[name].result(_unpickle_trial(pickled))
 
 
@@ -41,7 +41,10 @@ def _unpickle_trial(engine: bytes) -> EngineTrial:
 
 
 def run_in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
-    """The results of checks by name, in worker processes; a check that brings one down has failed."""
+    """The results of checks by name, in their order, made in worker processes; a check that brings one down has failed.
+
+    ``processes`` is their number, as many as cores by default.
+    """
     try:
         pickled = pickle.dumps(engine)
     except Exception:
@@ -56,8 +59,11 @@ def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
     """The result of a check made in a worker: a failure if the worker was lost."""
     if not isinstance(result, Lost):
         return result
-    what = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(result.outcome, "")
-    cure = ": end every run with an outcome and a reason" if what else ""
+    gives_up = "end every run with an outcome and a reason"
+    what, cure = {
+        Failure.TIMED_OUT: ("it ", f": take fewer or cheaper steps, and {gives_up}"),
+        Failure.CRASHED: ("its process ", f": {gives_up}"),
+    }.get(result.outcome, ("", ""))
     return CheckResult(name, Finding.FAILED, f"{what}{result.reason}{cure}")
 
 
@@ -67,7 +73,7 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
 
 
 def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
-    """The result, as an expected failure if it is listed; a listed check that passes becomes a failure."""
+    """The result, as an expected failure if its check is in ``expected``; one there that passes becomes a failure."""
     reason = expected.get(result.check)
     if reason is None:
         return result
@@ -83,9 +89,8 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
     """The results of all checks, each made in a worker process; nothing an engine does brings this one down.
 
     All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
-    pass, or fail as expected, so that one cause is named once.
-
-    Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only result.
+    pass, or fail as expected, so that one cause is named once. Of an engine that cannot be used, or whose adapter
+    cannot be loaded, that is the only result. ``processes`` is the number of workers.
     """
     if isinstance(engine, Unusable):
         return [CHECKS[INSTALLED].result(EngineTrial(engine))]
@@ -108,7 +113,7 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
 
 
 def _make(trial: EngineTrial, check: EngineCheck) -> None:
-    """Make a check and raise AssertionError if it fails; one that cannot be tested is skipped by pytest."""
+    """Make a check; raise AssertionError if it fails, and skip the test in pytest if it cannot be made."""
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 
     dangerous = check.name == DANGEROUS
@@ -121,10 +126,10 @@ def _make(trial: EngineTrial, check: EngineCheck) -> None:
 def parametrize_engine_checks(
     engine: Engine, expected_failures: Mapping[str, str] | None = None
 ) -> Callable[[Callable[..., object]], Callable[..., object]]:
-    """Hand a test function ``check``, to be called, once for every check of an engine.
+    """A decorator: its test function gets ``check``, to be called, once for every check of an engine.
 
-    ``expected_failures`` names checks that fail, each with its reason; one that passes turns the test red.
-    Raises KeyError for an unknown name.
+    ``expected_failures`` names checks that fail, each with its reason; one that passes turns the test red. Raises
+    KeyError for an unknown name.
     """
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 

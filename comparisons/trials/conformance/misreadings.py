@@ -28,7 +28,10 @@ SHIFTS: Final = (-1.0, -0.5, 0.5, 1.0)  # samples
 
 
 def likeliest_misreading(right: Reading, wrong: Array) -> str:
-    """The slip that leaves the least error of values (n, k), in words; "" where none explains it."""
+    """The slip that leaves the least error of ``wrong`` values (n, k), in words.
+
+    "" where none leaves a tenth or less.
+    """
     left, words = min((_largest(wrong - values), words) for words, values in misread(right, wrong))
     return words if left <= EXPLAINED * _largest(wrong - right.values) else ""
 
@@ -40,7 +43,7 @@ def _largest(values: Array) -> float:
 
 
 def misread(right: Reading, wrong: Array) -> Iterator[tuple[str, Array]]:
-    """Every slip that may befall a signal in words, with the values (n, k) that it makes of it.
+    """Yield every slip that may befall a signal, in words, with the values (n, k) that it makes of it.
 
     Of all factors it is the one that comes nearest to the ``wrong`` values.
     """
@@ -63,7 +66,7 @@ def misread(right: Reading, wrong: Array) -> Iterator[tuple[str, Array]]:
 
 
 def _misread_angle(right: Reading) -> Iterator[tuple[str, Array]]:
-    """Slips that may befall an angle or its rates, each in words with the values (n, 1) it makes."""
+    """Yield slips that may befall an angle or its rates, each in words with the values (n, 1) it makes."""
     values = right.values
     yield "it counts clockwise", -values
     if right.channel is Channel.POSITION:
@@ -73,7 +76,7 @@ def _misread_angle(right: Reading) -> Iterator[tuple[str, Array]]:
 
 
 def _misread_vector(right: Reading) -> Iterator[tuple[str, Array]]:
-    """Slips that may befall a plane vector, each in words with the values (n, 2) it makes."""
+    """Yield slips that may befall a plane vector, each in words with the values (n, 2) it makes."""
     values = right.values
     yield "x and y are exchanged", values[:, ::-1]
     for axis, signs in (("x", (-1.0, 1.0)), ("y", (1.0, -1.0))):
@@ -94,7 +97,7 @@ def _factor_words(factor: float) -> str:
 
 
 def _bodies(reading: Reading) -> list[str]:
-    """Names of the bodies in whose frame a vector may be read by mistake."""
+    """Names of the bodies in whose frame a vector may be read by mistake: those of a joint, or its own; no ground."""
     ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
     ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
     bodies = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)

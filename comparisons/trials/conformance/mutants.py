@@ -51,7 +51,10 @@ class Mutant:
     row: str = ""
 
     def check(self, trial: EngineTrial) -> None:
-        """Raise AssertionError unless the fault fails a row that the engine itself passes."""
+        """Raise AssertionError unless the fault fails a row that the engine itself passes.
+
+        Raises NotTestedError where the fault cannot be planted or its row is not judged.
+        """
         right, wrong = trial.rows(self.sample, self.setting), self.wrong(trial)
         if self.row and self.row not in right:
             raise NotTestedError(f"no row '{self.row}' is judged of {trial.engine.name}")
@@ -72,7 +75,7 @@ class Mutant:
 def history_with(
     trial: EngineTrial, method: str, other: Callable[..., Any], sample: str, setting: Setting = Setting.TUNED
 ) -> History | None:
-    """The engine's history of a sample with another function as its ``method``.
+    """The history of a sample by a copy of the engine that has another function as its ``method``; None if it gives up.
 
     Raises NotTestedError where the engine has no such method.
     """
@@ -84,19 +87,23 @@ def history_with(
 
 
 def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
-    """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead."""
+    """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead; None if it gives up."""
     return history_with(trial, "altered", lambda scene: wrong.scene(scene.channels), sample)
 
 
 def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None:
-    """The engine's history of a sample if it builds its worlds from the ``wrong`` sample instead."""
+    """The engine's history of a sample if it builds its worlds from the ``wrong`` sample instead.
+
+    None if it gives up.
+    """
     return in_world(sample, wrong.case, trial)
 
 
 def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> History | None:
     """The engine's history if bodies start with ``kept`` of their velocity and what ``moved`` steps add.
 
-    Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive.
+    None if it gives up. Raises NotTestedError where these change nothing, as in an engine that takes them from its
+    joints and drive.
     """
     step = moved * min(trial.run(sample).passes, default=0.0)
 
@@ -111,7 +118,7 @@ def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> Hist
 
 
 def _with_velocity(body: Body, kept: float, step: float) -> Body:
-    """A body with a share of its start velocities, and what its accelerations add to them in a time, s."""
+    """A copy of a body with a share of its start velocities, and what its accelerations add to them in ``step``, s."""
     x, y = (kept * rate + step * change for rate, change in zip(body.velocity, body.acceleration, strict=True))
     turning = kept * body.angular_velocity + step * body.angular_acceleration
     return replace(body, velocity=(x, y), angular_velocity=turning)
@@ -133,14 +140,17 @@ def _lagging(signal: Signal) -> Array:
 
 
 def _with_late_start(signal: Signal) -> Array:
-    """The values, the first one replaced by that of half a step later."""
+    """The signal's values, the first one replaced by that of half a step later."""
     time = signal.time.copy()
     time[0] += 0.5 * (time[1] - time[0])
     return resample(signal, time)
 
 
 def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], trial: EngineTrial) -> History:
-    """The engine's own history of a sample, with a channel altered by a ``slip``."""
+    """The engine's own history of a sample, with a channel altered by a ``slip``.
+
+    Raises NotTestedError without the channel.
+    """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
     right = trial.finished_history(sample)
@@ -149,7 +159,10 @@ def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], tri
 
 
 def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
-    """The engine's history with its runs at several steps combined by wrong weights."""
+    """The engine's history with its runs at several steps combined by the weights of ``weigh``; None if it gives up.
+
+    Raises NotTestedError where its best setting is one run.
+    """
     trial.finished_history(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
         raise NotTestedError(f"'{Setting.BEST}' of {trial.engine.name} is one run")
@@ -183,7 +196,7 @@ SLIPS: Final[Mapping[str, tuple[str, Callable[[Signal], Array]]]] = {
 
 
 def _mutants() -> Iterator[Mutant]:
-    """Every deliberate fault of an engine that the checks have to find."""
+    """Yield every deliberate fault of an engine that the checks have to find."""
     for words, (sample, changes, row) in WORLD.items():
         wrong = replace(SAMPLES[sample], **changes)
         yield Mutant(f"{sample}: {words}", partial(_in_sample, sample, wrong), sample, row=row)

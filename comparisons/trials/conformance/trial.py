@@ -51,7 +51,7 @@ class Sample:
 
     @property
     def case(self) -> Case:
-        """The case that the sample describes."""
+        """The case that the sample describes, made anew."""
         linkage, start = load(str(LINKAGES / f"{self.linkage}.toml"), self.variant), math.radians(self.start)
         if self.released or linkage.regimes:
             released = ReleasedRegime("released", 1.5, start, 6.0, 0.8)
@@ -87,7 +87,7 @@ SAMPLES: Final[Mapping[str, Sample]] = {
 
 @cache
 def case(name: str) -> Case:
-    """The case of a sample, shared by all callers, so that its closed form is computed once."""
+    """The case of a sample by name, shared by all callers, so that its closed form is computed once."""
     return SAMPLES[name].case
 
 
@@ -125,7 +125,10 @@ class EngineCheck:
     examine: Callable[[EngineTrial], None]
 
     def result(self, trial: EngineTrial) -> CheckResult:
-        """Result of the check, made in this process."""
+        """Result of the check, made in this process: passed, failed or not tested, with a sentence.
+
+        It raises nothing of these.
+        """
         try:
             with blamed_on(trial.engine):
                 reason = why_unavailable(trial.engine)
@@ -146,7 +149,7 @@ ALL_CHANNELS: frozenset[Channel] = frozenset(Channel)
 
 
 def scene_of(sample: str) -> Scene:
-    """The scene of a sample, with all channels requested."""
+    """The scene of a sample by name, with all channels requested."""
     return case(sample).scene(ALL_CHANNELS)
 
 
@@ -196,7 +199,10 @@ class EngineTrial:
         return run.history
 
     def histories(self) -> Iterator[tuple[str, Scene, History]]:
-        """Yield name, scene and history of each sample that the engine takes; the plain one must be among them."""
+        """Yield name, scene and history of each sample that the engine takes.
+
+        Raises NotTestedError where the plain one is not among them, AssertionError where a run does not finish.
+        """
         for sample in SAMPLES:
             try:
                 yield sample, scene_of(sample), self.finished_history(sample)
@@ -211,7 +217,7 @@ class EngineTrial:
         return self._rows[sample, setting]
 
     def judged_rows(self, sample: str, setting: Setting, history: History) -> Mapping[str, bool]:
-        """Whether each judged row of a history of a sample has failed, by quantity; joints in one row."""
+        """Whether each judged row of a ``history`` of a sample has failed, by quantity; joints in one row."""
         of, motion = case(sample), ObservedMotion(scene_of(sample), history)
         run = compared(of, motion, all_quantities(of).values(), run_of(of, setting, self.engine.name), self.engine)
         failed: dict[str, bool] = {}

@@ -62,7 +62,7 @@ HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
 def energy(motion: ObservedMotion, time: Array) -> Array:
-    """Kinetic plus potential energy, T + V, at these times, s, in J."""
+    """Kinetic plus potential energy, T + V, J, at these times, s; shape of the times."""
     return motion.kinetic_energy(time) + motion.potential_energy(time)
 
 
@@ -161,19 +161,22 @@ def speed_drift(inspection: Inspection) -> Signal:
 
 
 def joint_gaps(motion: ObservedMotion) -> Signal:
-    """Largest opening of any joint, m, over time: pins apart, sliders and slot pins off their line."""
+    """Largest opening of any joint, m, at the positions' times: pins apart, sliders and slot pins off their line."""
     time = motion.signal(Channel.POSITION).time
     return Signal(time, np.max(list(motion.joint_gaps(time).values()), axis=0))
 
 
 def closure(inspection: Inspection) -> dict[str, Signal]:
-    """``Inspection.corrections`` and, for a released crank, ``drift``, the mismatch of speed and acceleration."""
+    """``Inspection.corrections`` by level and, for a released crank, ``drift``: speed against acceleration."""
     drift = {"drift": speed_drift(inspection)} if isinstance(inspection.motion.scene.drive, Free) else {}
     return inspection.corrections() | drift
 
 
 def crank_phase(inspection: Inspection) -> Signal:
-    """The driver's distance from its true motion, or its largest gap between samples if that is too large, rad or m."""
+    """The driver's distance, rad or m, from its true motion, at each sample.
+
+    It is no less than the largest angle between two samples, where that is over half a turn.
+    """
     drive, time = inspection.motion.scene.drive, inspection.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
         signal = Signal(time, np.abs(inspection.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
@@ -183,7 +186,7 @@ def crank_phase(inspection: Inspection) -> Signal:
 
 
 def _largest_gap(inspection: Inspection) -> float:
-    """Largest angle, rad, by which the crank turns between two samples, if more than half a turn; else 0."""
+    """Largest way of the driver between two samples, rad or m, if more than half a turn, or a turn's way; else 0."""
     motion = inspection.motion
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
@@ -216,7 +219,8 @@ def total_weight(motion: ObservedMotion) -> float:
 def weight_on_frame(inspection: Inspection) -> Balance:
     """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
 
-    One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes.
+    One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes,
+    infinite for too few samples. There must be a ``steady_turn``.
     """
     motion, turn = inspection.motion, steady_turn(inspection.motion)
     assert turn is not None
@@ -247,7 +251,7 @@ def _mean_force(motion: ObservedMotion, time: Array) -> Array:
 
 
 def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
-    """The motion with every second sample of each signal."""
+    """A copy of the motion with every second sample of positions, velocities and joint forces, and nothing else."""
 
     def half(signal: Signal) -> Signal:
         """Every second sample of a signal, the first included."""
@@ -286,12 +290,12 @@ def _samples(inspection: Inspection, channel: Channel = Channel.POSITION) -> int
 
 
 def _joint_gap(case: Case, inspection: Inspection) -> Found:
-    """The largest opening of any joint, m, its scale and its number of samples."""
+    """The largest opening of any joint, m, its scale, m, and its number of samples."""
     return joint_gaps(inspection.motion), case.mechanism.linkage.shortest_length(), _samples(inspection)
 
 
 def _closure(case: Case, inspection: Inspection) -> Found:
-    """The corrections of all levels in one signal, their scale, and the number of samples."""
+    """The corrections of all levels in one signal, their scale, 1, and the number of samples."""
     levels = closure(inspection)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
@@ -301,7 +305,7 @@ def _closure(case: Case, inspection: Inspection) -> Found:
 
 
 def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
-    """The torque required by the motion less the engine's, N m, its scale and its number of samples."""
+    """The torque required by the motion less the engine's, N m, its scale, N m, and its number of samples."""
     motion, bridged = inspection.motion, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps)
     required = _without_jumps(case, bridged)
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
@@ -341,7 +345,10 @@ LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
-    """The judged records of all invariants that apply; one that lacks a channel says so."""
+    """The judged records of all invariants that apply; one that lacks a channel says so.
+
+    ``blank`` has the fields that all share.
+    """
     return tuple(_each_check(case, motion, blank))
 
 
@@ -358,7 +365,7 @@ def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Er
         unit = (invariant.linear_unit if motion.is_linear else "") or invariant.unit
         record = blank._replace(quantity=name, unit=unit)
         if lacking:
-            yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
+            yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}")
         elif invariant.of_forces and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name == "weight_on_frame" and _is_switched(motion.scene):
@@ -393,7 +400,10 @@ def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
 
 
 def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
-    """The channels that an invariant needs and the engine has not recorded, in words; "" if all are there."""
+    """What an invariant needs and the engine has not recorded, in words; "" if all is there.
+
+    That is channels, or directions of joint forces.
+    """
     lacking = [channel.value for channel in invariant.needs if not motion.has(channel)]
     if invariant.of_forces and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
@@ -472,5 +482,5 @@ def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
 
 
 def _undefined(record: Error, reason: str) -> Error:
-    """A record with the outcome undefined, for a reason in words."""
+    """A copy of a record with the outcome undefined, for a reason in words."""
     return record._replace(outcome=Verdict.UNDEFINED.value, detail=reason)

@@ -51,12 +51,12 @@ class AssurGroups:
             placed |= {*group}
 
     def _columns(self, bodies: tuple[str, ...]) -> Numbers:
-        """The columns of the Jacobian that belong to the free coordinates of these bodies."""
+        """The columns, as numbers, of the Jacobian that belong to the free coordinates of these bodies."""
         columns = self.equations.column[[self.equations.index[name] for name in bodies]]
         return np.asarray(columns[columns != self.equations.size])
 
     def _placed_together(self, placed: set[str]) -> list[tuple[str, ...]]:
-        """The bodies of every group, each behind those that place it.
+        """The bodies of every group that is not yet ``placed``, each group behind those that place it.
 
         Every coordinate is matched with an equation that gives it, which ties its body, or the point of a pin, to
         others. What depends on itself in a circle is placed together. Where the equations do not give all coordinates,
@@ -92,7 +92,10 @@ class AssurGroups:
         return ties
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
-        """Row numbers of the joints between these bodies, and between them and placed bodies, with the joint."""
+        """Rows of the joints between these bodies, and between them and placed bodies, as pairs of numbers.
+
+        The equation is the first row less the second; of no second one the number is ``equations.rows``.
+        """
         equations, none = self.equations, self.equations.rows
         rows = []
         for ends in self._pins:
@@ -162,7 +165,7 @@ class Corrected:
         return self.groups.equations
 
     def observed(self, order: int) -> Array:
-        """Position, velocity or acceleration (order 0, 1, 2) of every body, as the engine has it."""
+        """Position, velocity or acceleration (order 0, 1, 2) of every body, (instants, bodies, 3), by the engine."""
         return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
@@ -212,7 +215,10 @@ class Corrected:
         return np.asarray(np.einsum("nrc,nc->nr", jacobian, self.equations.gather(self.observed(order))))
 
     def _solve_correction(self, residual: Reals, order: int) -> Array:
-        """The coordinates that take a residual away; what slides without turning keeps its angle."""
+        """The coordinates, (instants, bodies, 3), that take a residual away, as of an order; ``residual`` is changed.
+
+        What slides without turning keeps its angle.
+        """
         equations, bodies = self.equations, self.equations.scene.bodies
         residual[:, equations.crank_row] -= self.crank_target(order)
         lack = equations.spread(-np.einsum("ncr,nr->nc", self.inverse, residual))
@@ -223,7 +229,10 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """φ, its speed or acceleration (order 0, 1, 2), rad or units, by the drive; a released driver's own."""
+        """φ, its speed or acceleration (order 0, 1, 2), rad or units, that the drive prescribes, (instants,).
+
+        Of a released driver it is the driver's own.
+        """
         drive = self.equations.scene.drive
         scale = self.equations.driver.scale
         if isinstance(drive, Prescribed):
@@ -239,7 +248,7 @@ class Corrected:
 
     @cached_property
     def jacobian(self) -> Array:
-        """The Jacobian G at the corrected poses, (instants, equations, coordinates)."""
+        """The Jacobian G at the observed poses, (instants, equations, coordinates)."""
         return np.asarray(self.equations.jacobian(self._observed_pose[1]), dtype=float)
 
     @cached_property
@@ -249,7 +258,7 @@ class Corrected:
 
     @cached_property
     def inverse(self) -> Array:
-        """The inverse of the Jacobian, G⁻¹, (instants, coordinates, equations)."""
+        """The inverse of the Jacobian, G⁻¹, (instants, coordinates, equations); nan in a dead position."""
         regular = np.all(np.abs(self.determinants) > EPS, axis=1)
         result = np.full(self.jacobian.shape, np.nan)
         result[regular] = np.linalg.inv(self.jacobian[regular])
@@ -313,7 +322,7 @@ def _findings_of_block(state: Corrected, order: int) -> tuple[Array, ...]:
 
 
 def largest_displacement(states: Array) -> Array:
-    """Largest displacement or turn of any body at each instant of (instants, bodies, 3)."""
+    """Largest displacement or turn of any body at each instant, (instants,), of (instants, bodies, 3)."""
     return np.asarray(np.max(np.maximum(np.hypot(states[..., 0], states[..., 1]), np.abs(states[..., 2])), axis=1))
 
 
@@ -346,10 +355,11 @@ def undissipated_error(gained: Array, rate: Array, time: Array) -> Array:
 
 
 def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, start: float) -> Array:
-    """|ω − what the claimed acceleration makes of it|, rad/s, beyond the error of coarse samples.
+    """|ω − what the claimed acceleration makes of it|, rad/s, (n,), beyond the error of coarse samples.
 
     ``rate`` is b/Jeq, 1/s, with which a speed relaxes; ``start`` is the first sample's own error. Between samples the
     drive and loads, ε + rate · ω, are taken to be smooth, not ε itself, which may be over within a fraction of a step.
+    0 for too few samples.
     """
     errors = accumulate_errors(start, *_error_per_step(time, speed, acceleration, rate))
     if len(time) < 4 * POINTS:

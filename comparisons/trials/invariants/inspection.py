@@ -56,22 +56,22 @@ class Inspection:
 
     @cached_property
     def radian(self) -> float:
-        """The unit of φ: 1 for rad or, for a linear drive, the scene's size, m."""
+        """What counts as a radian of φ: 1 rad or, for a linear drive, the scene's size, m."""
         return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
 
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:
-        """The findings by clock, up to the highest derivative that has this clock."""
+        """The findings by the bytes of each clock, up to the highest derivative that has this clock."""
         recorded = list(takewhile(self.motion.has, LEVELS))
         clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(recorded)}
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:
-        """The findings at a channel's sample times."""
+        """The findings at a channel's sample times; raises KeyError for a channel on a clock that no level has."""
         return self._findings[self.motion.signal(channel).time.tobytes()]
 
     def corrections(self) -> dict[str, Signal]:
-        """The largest correction of any body, by level, that fits it to the joints and a prescribed crank.
+        """The largest correction of any body, by level, that fits it to the joints and a prescribed crank, over time.
 
         Displacements over the scene's size, turns in rad; of velocities and accelerations over their peak in the run.
         """
@@ -83,7 +83,7 @@ class Inspection:
         return result
 
     def assembly_mode(self) -> Signal:
-        """How deep any group is in the wrong assembly mode, over its largest determinant, (n,)."""
+        """How deep any group is in the wrong assembly mode, over its largest determinant, at the positions' times."""
         result = self.on(Channel.POSITION)
         depth = np.maximum(-result.determinants * self._start_modes() * self._mode_signs(result.time), 0.0)
         return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
@@ -143,17 +143,17 @@ class Inspection:
         return Signal(signal.time, values)
 
     def torque_required(self) -> Signal:
-        """Drive torque by the power that the motion and its loads take, N m, on the acceleration's clock.
+        """Drive torque, N m, or force, N, by the power that the motion and its loads take, on the acceleration's clock.
 
         By virtual power, so that it is defined at standstill too; of a prescribed crank for the acceleration it ought
-        to have. Where the claimed torque has no samples there is nothing to hold it against.
+        to have. Times outside those of the claimed torque, against which it is held, are left out.
         """
         result, clock = self.on(Channel.ACCELERATION), self.motion.signal(Channel.TORQUE).time
         within = (result.time >= clock[0]) & (result.time <= clock[-1])
         return Signal(result.time[within], result.torque[within])
 
     def force_balance(self) -> Signal:
-        """The largest difference of any joint's force from what balances the bodies, over its peak, (n,)."""
+        """The largest difference of any joint's force from what balances the bodies, over its peak, over time."""
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = [*self.motion.scene.pins, *self.motion.scene.guided]
         clocks = [claimed[joint.name].time for joint in joints]
@@ -183,7 +183,7 @@ class Inspection:
         return np.asarray(result)
 
     def relaxation_rate(self, time: Array) -> Array:
-        """Rate at which dampers take an error of the speed, 1/s: half the power they take over the kinetic energy."""
+        """Rate, 1/s, (n,), at which dampers take an error of the speed: half their power over kinetic energy."""
         power = self.motion.dissipation(time)
         if not power.any():
             return power
@@ -194,7 +194,7 @@ class Inspection:
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
     def _undersampled_intervals(self, time: Array) -> Iterator[tuple[float, float]]:
-        """Start and end, s, of intervals with too few samples.
+        """Yield start and end, s, of intervals with too few samples.
 
         Near dead positions a determinant changes too much from one sample to the next; pieces of the prescribed motion
         may have too few instants of ``time``.
@@ -213,7 +213,10 @@ class Inspection:
 
 
 def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ...]) -> Array:
-    """Values for a gap, by a polynomial through the samples beside it; nan without such a polynomial."""
+    """Values for a ``gap`` of a signal, by a polynomial through the samples around that are not ``beside``.
+
+    Nan without one. There is none over a jump, or where it misses the samples.
+    """
     time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
     low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
     around = (time >= low) & (time <= high) & ~beside
@@ -227,7 +230,7 @@ def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ..
 
 
 def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:
-    """Start and end, s, of each smooth stretch of a motion; pieces of similar length without a jump are joined.
+    """Yield start and end, s, of each smooth stretch of a motion; pieces of similar length without a jump are joined.
 
     A law or a spline is made of many such, and samples tell it from all of them.
     """

@@ -35,7 +35,7 @@ LARGEST: Final = 1 << 25  # bytes of a file of rows
 
 
 def write_rows(rows: Iterable[Error], file: Path) -> None:
-    """Write rows as CSV: errors with four digits, figures with nine."""
+    """Write rows as CSV, sorted, replacing the file: errors with four digits, figures with nine."""
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -48,7 +48,7 @@ def write_rows(rows: Iterable[Error], file: Path) -> None:
 
 
 def read_rows(file: Path) -> list[Error]:
-    """The rows of a CSV file; raises LinkproofError, with the line, for a file of another form."""
+    """The rows of a CSV file, with no more than its columns; raises LinkproofError, with the line, for another form."""
     cure = "record it again with --record, or correct the line"
     content = read_file(file, "recorded results", LARGEST)
     try:
@@ -148,7 +148,7 @@ class Change:
 
 
 def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]:
-    """The differences of rows ``after`` from rows ``before``, by the order of the names: an outer join of the two."""
+    """Yield the differences of rows ``after`` from rows ``before``, in the order of their names: an outer join."""
     old, new = ({_place_of_row(row): row for row in rows} for rows in (before, after))
     roundings = _rounding_errors(old, new)
     for place in sorted(old.keys() | new.keys()):
@@ -160,7 +160,10 @@ def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]
 
 
 def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
-    """The kind of change between the rows of one place, before and after; None for none."""
+    """The kind of change between the rows of one place, ``was`` and ``now``; None for none.
+
+    ``roundings`` are what figures of a motion and unit may differ by.
+    """
     if was is None or now is None:
         there = was or now
         assert there is not None
@@ -177,7 +180,7 @@ def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[Mot
 
 
 def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> dict[MotionUnit, float]:
-    """The rounding error of the largest recorded figure in each unit of each motion."""
+    """The rounding error of the largest recorded figure, by motion and unit; of rad no less than SAME_FIGURE."""
     values: dict[MotionUnit, float] = {}
     for place, row in new.items():
         if row.engine == CLOSED_FORM and (was := old.get(place)) is not None and was.error_max is not None:

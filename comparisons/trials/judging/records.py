@@ -133,7 +133,7 @@ class RunRecord:
 
     @property
     def total_seconds(self) -> float:
-        """The time of set-up and stepping, s."""
+        """The time of set-up and stepping together, s."""
         return self.setup_seconds + self.seconds
 
     @property
@@ -142,7 +142,7 @@ class RunRecord:
         return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
-        """Rows whose last columns are ``ERRORS`` as Error records of this run."""
+        """The ``errors``, rows that end with the columns ``ERRORS``, as Error records of this run."""
         names = _names(self)
         return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
@@ -152,11 +152,11 @@ class RunRecord:
         return (*self.errors, *self.invariants)
 
     def judged(self, judge: Callable[[Error], Error]) -> Self:
-        """The run with a new verdict on each error and invariant, given by ``judge``."""
+        """A copy of the run with each error and invariant as ``judge`` returns it, with a new verdict."""
         return replace(self, errors=tuple(map(judge, self.errors)), invariants=tuple(map(judge, self.invariants)))
 
     def rows(self, errors: Iterable[Error]) -> list[dict[str, Any]]:
-        """Errors of the run as rows, JSON-ready, with the run's own columns in each."""
+        """These ``errors`` as rows, JSON-ready, with the run's own columns in each."""
         own = {name: getattr(self, name) for name in FACTS}
         return [{**own, **error._asdict()} for error in errors]
 
@@ -168,7 +168,7 @@ class RunRecord:
         return {**own, **parts, "details": dict(self.details)}
 
     def written(self) -> tuple[Mapping[str, Any], Mapping[str, Curve]]:
-        """The run as its two parts for a file: ``data``, and its curves."""
+        """The run as its two parts for the store: ``data``, and its curves by quantity."""
         return self.data, self.curves
 
     @classmethod
@@ -192,7 +192,7 @@ FACTS: Final = tuple(field.name for field in fields(RunRecord) if field.name not
 
 
 def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> RunRecord:
-    """The record of a run that is still to be made: only its names are filled in."""
+    """The record of a run that is still to be made: its names and the engine's ``version`` alone are filled in."""
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return RunRecord(*names, engine, version, setting)

@@ -56,7 +56,7 @@ class Reading:
         return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
 
     def body_number(self, body: str) -> int:
-        """The index of a body in the scene's arrays."""
+        """The index of a body in the scene's arrays; raises ValueError for another."""
         return [each.name for each in self.scene.bodies].index(body)
 
     @property
@@ -77,7 +77,7 @@ class Reading:
 
 
 def readings(scene: Scene, history: History) -> Iterator[Reading]:
-    """A Reading for each signal of a history: of each body, of the torque, of each joint."""
+    """Yield a Reading for each signal of a history: of each body's place and angle, of the torque, of each joint."""
     for channel in (*LEVELS, Channel.TORQUE):
         signal = getattr(history, channel.value)
         bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
@@ -93,6 +93,7 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     """The true values of all signals of a history, from the closed form, at the same times.
 
     Where the history has only magnitudes of forces, so has the result. Angles are continuous, as those of engines are.
+    Raises LinkproofError where the closed form has none.
     """
 
     def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
@@ -136,7 +137,10 @@ class SignalError:
 
     @property
     def components(self) -> Array:
-        """The errors' components (n, k), 0 where the truth has two values, infinite where it has none."""
+        """The errors' components (n, k) as shares of the scale.
+
+        They are 0 where the truth has two values, infinite where it has none.
+        """
         difference = np.abs(self.read.values - self.true.values) / self.scale
         return np.where(self.counted[:, None], np.nan_to_num(difference, nan=np.inf), 0.0)
 

@@ -37,9 +37,10 @@ class DaskPool:
         bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, as a ``Pool`` does; two for every thread are under way.
+        """Yield number and result of each ``function(*job)``, as a ``Pool`` does, as they end.
 
-        Raises LinkproofError where there is no scheduler, no worker, or one of another version.
+        Two a thread are under way. Raises LinkproofError where there is no scheduler, no worker, or one of another
+        version.
         """
         with self._client() as client:
             size = 2 * sum(client.nthreads().values())
@@ -64,7 +65,10 @@ class DaskPool:
         """Do nothing: no state is left behind by a list of jobs."""
 
     def _client(self) -> Any:  # noqa: ANN401 - distributed has no types
-        """A connection to the scheduler, by the security that the user's configuration of Dask names."""
+        """A connection to the scheduler, by the security that the user's configuration of Dask names.
+
+        Raises LinkproofError without Dask, scheduler or workers, or for workers of another version.
+        """
         try:
             from distributed import Client  # noqa: PLC0415
         except ModuleNotFoundError as error:
@@ -85,7 +89,10 @@ class DaskPool:
         return client
 
     def _result(self, future: Any) -> Any:  # noqa: ANN401
-        """The result of a job; raises LinkproofError where the scheduler has ended."""
+        """The result of a job, or a Lost one if its workers died.
+
+        Raises LinkproofError where the scheduler has ended.
+        """
         from distributed import KilledWorker  # noqa: PLC0415
 
         try:
@@ -104,7 +111,10 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
 
 
 def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: RunBounds) -> R | Lost:
-    """On a Dask worker: run a job in a process of this thread's own; its result, or how it was lost."""
+    """On a Dask worker: run a job in a process of this thread's own.
+
+    Its result, or a Lost one that says how it was lost.
+    """
     multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
     pool: LocalPool = _THREAD.__dict__.setdefault("pool", LocalPool(1, lasts=True))
     return next(result for _, result in pool.run(function, [job], bounds))

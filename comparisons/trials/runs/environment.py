@@ -19,7 +19,10 @@ INCIDENTAL = ("date", "machine")
 
 
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
-    """Facts that decide a figure or a time, by name, JSON-ready: versions, machine, these engines."""
+    """Facts that decide a figure or a time, by name, JSON-ready: date, machine, commit and versions.
+
+    Versions are those of Python, of the packages, and of these engines.
+    """
     facts, here = {name: installed_version(name) for name in PACKAGES}, engine_names()
     facts |= {engine.name: engine.version() for engine in adapters([name for name in engines if name in here])}
     return {

@@ -91,7 +91,7 @@ def _check_tree(place: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Raise LinkproofError at once, not after an hour's work, if no file could be written at ``path``."""
+    """Raise LinkproofError at once, not after an hour's work, if no file can be written at ``path``."""
     nearest = next(folder for folder in _final_path(path).parents if os.path.exists(folder))
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
         raise _write_error(path)
@@ -139,5 +139,5 @@ def _final_path(path: Path) -> Path:
 
 
 def _write_error(path: Path, why: str | None = "expected a file in a folder that can be written") -> LinkproofError:
-    """The error for a file that cannot be written, with the reason."""
+    """The LinkproofError for a path that cannot be written, with the reason ``why``."""
     return LinkproofError(f"cannot write '{path}': {why}; give another place")
