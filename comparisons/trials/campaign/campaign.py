@@ -69,7 +69,10 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
-    """The tasks of one case: every engine in every setting."""
+    """Yield the tasks of one case: every engine in every setting.
+
+    Raises LinkproofError for a quantity without a value.
+    """
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
     check_defined(
@@ -91,7 +94,7 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 
 
 def each_case(request: CampaignRequest) -> Iterator[Case]:
-    """Every linkage under every requested motion, then in its own requested regimes.
+    """Yield every linkage under every requested motion, then in its own requested regimes.
 
     Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
     """
@@ -110,7 +113,7 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
 
 
 def _checked_case(case: Case) -> Case:
-    """The case; raises AssemblyError where its linkage cannot follow its motion."""
+    """The case itself; raises AssemblyError where its linkage cannot follow its motion."""
     case.check_motion()
     return case
 
@@ -144,7 +147,10 @@ def compare(
 def lost(
     failure: Lost, pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], _: bool
 ) -> RunRecord:
-    """The record of a run whose process gave no result, with the reason in every quantity."""
+    """The record of a run whose process gave no result, with the reason in every quantity.
+
+    Further arguments are the run's.
+    """
     case = unpickle_case(pickled)
     run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
     return _without_motion(run, chosen_quantities(case, names), failure.outcome, failure.reason)
@@ -158,7 +164,10 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
 def judged(
     pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
 ) -> RunRecord:
-    """Make the run of a pickled case in an engine and judge these quantities; runs in a worker."""
+    """Make the run of a pickled case in an engine, in a worker, and judge these quantities by the suite's limits.
+
+    A run that gives no motion has its outcome and reason in each quantity.
+    """
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
@@ -188,7 +197,7 @@ def compared(
     *,
     with_invariants: bool = True,
 ) -> RunRecord:
-    """The run with the errors of its motion in these quantities and, if asked for, its invariants."""
+    """A copy of the run with the errors of its motion in these quantities and, if asked for, its invariants."""
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
     found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
     return replace(
@@ -202,7 +211,7 @@ def compared(
 def _without_motion(
     run: RunRecord, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str
 ) -> RunRecord:
-    """The run with outcome and reason in a row for each quantity, since it gave no motion."""
+    """A copy of the run with outcome and reason in a row for each quantity, since it gave no motion."""
     blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
     return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))
 
@@ -210,7 +219,7 @@ def _without_motion(
 def _compare_quantity(
     case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
 ) -> tuple[Error, Curve | None]:
-    """A quantity's judged error, and the curve behind it; None where the run has no sample to judge.
+    """A quantity's judged error, and its curve; None where the run has no sample of it, and the error says why.
 
     The origin is that of the ``blank`` record, if it has one, or the engine's own.
     """
@@ -236,7 +245,10 @@ def _compare_quantity(
 def sheets(
     linkages: Sequence[Linkage], motions: Sequence[CrankMotion], regimes: Sequence[str], processes: int | None = None
 ) -> list[Sheet]:
-    """The sheet of every linkage, in their order; where a process failed, a sheet with the reason."""
+    """The data sheet of every linkage, in their order, made in up to ``processes``.
+
+    Where one failed, a sheet with the reason.
+    """
     jobs = [(linkage, motions, regimes) for linkage in linkages]
     count = usual_processes(len(jobs)) if processes is None else processes
     try:

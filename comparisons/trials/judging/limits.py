@@ -38,7 +38,7 @@ class Limit(TomlTable):
     engines: frozenset[str] = frozenset()
 
     def fits(self, quantity: str, setting: str, regime: str, mechanism: str, engine: str) -> bool:
-        """Whether this row of the table covers a record with these names."""
+        """Whether this row of the table covers a record with these names; the regime counts by its kind, too."""
         kind = regime if regime in REGIMES else SWING if regime in LAWS else OWN
         return (
             quantity in self.quantities
@@ -71,6 +71,7 @@ class LimitTable:
 
         ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
         that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
+        Raises LookupError for a quantity without a limit.
         """
         error = record.error_max
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
@@ -108,12 +109,12 @@ class LimitTable:
 
 @cache
 def shipped_limits() -> LimitTable:
-    """The suite's own table of limits."""
+    """The suite's own table of limits, read once."""
     return table_from_rows(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
 
 
 def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
-    """A table of limits from all its rows."""
+    """A table of limits from rows as a file of limits has them; raises ValueError for a wrong row."""
     return LimitTable(tuple(map(Limit.model_validate, rows)))
 
 
@@ -178,12 +179,12 @@ def judge(record: Error) -> Error:
 
 
 def deciding(records: Sequence[Error]) -> Sequence[Error]:
-    """The records that decide whether a campaign has passed: naive ones only if no other setting ran."""
+    """The records that decide whether a campaign has passed: all but naive ones, or these if no other setting ran."""
     return [record for record in records if record.setting != Setting.NAIVE] or records
 
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
-    """Pairs as lists of second members by first member, both in the order of the pairs."""
+    """The second members of pairs in lists by their first members, both in the order of the pairs."""
     groups: dict[K, list[V]] = {}
     for key, entry in pairs:
         groups.setdefault(key, []).append(entry)

@@ -91,7 +91,7 @@ class Quantity:
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
     def shared(self, case: Case, motion: ObservedMotion) -> str:
-        """The words for the part of its value that comes from the reference, not the engine; "" without one."""
+        """What of its value comes from the reference, not the engine, in words, such as its zero; "" for nothing."""
         if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
             return ""
         return self.zero if motion.last_turn is None else ""
@@ -110,7 +110,7 @@ class Quantity:
         return self.also | {self.clock}
 
     def fits(self, case: Case) -> bool:
-        """Whether it is a result of the case's drive and its linkage has what it needs."""
+        """Whether it is a result of the case's drive and its linkage has the output or thread that it needs."""
         is_result = self.prescribed if case.is_prescribed else self.free
         linkage = case.mechanism.linkage
         lacks = (self.needs_output and linkage.output is None) or (self.needs_thread and linkage.thread is None)
@@ -118,7 +118,7 @@ class Quantity:
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
-    """Jeq = 2 T/ω², kg m² (kg of a linear drive), away from standstill."""
+    """Jeq = 2 T/ω², kg m² (kg of a linear drive), on the clock of the velocities, without samples near standstill."""
     time = motion.signal(Channel.VELOCITY).time
     fast = np.abs(case.at(time).speed) >= case.least_speed
     inertia = 2.0 * motion.kinetic_energy(time)[fast] / motion.crank(Channel.VELOCITY, time)[fast] ** 2
@@ -138,7 +138,7 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
-    """S, m: displacement of the output, positive away from its farthest place.
+    """S, m, on the clock of the positions: displacement of the output, positive away from its farthest place.
 
     That place is the engine's own where its motion shows it, in a full turn, or anywhere if the crank cannot make one;
     else the closed form's.
@@ -156,13 +156,16 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
-    """The output's coordinate, m, or its derivative of an ``order``, positive away from top dead centre."""
+    """The output's coordinate, m, or its derivative of an ``order``, on a channel's clock.
+
+    Positive away from top dead centre.
+    """
     time = motion.signal(channel).time
     return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
 
 
 def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
-    """φ, rad or m, its speed or its acceleration, by the engine's own account."""
+    """φ, rad or m, its speed or its acceleration, as the channel is, by the engine's own account."""
     time = motion.signal(channel).time
     return Signal(time, motion.crank(channel, time))
 
@@ -192,7 +195,10 @@ def _thread(case: Case) -> ThreadPath:
 
 
 def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
-    """The feed, m, computed from the engine's positions of the eyes and its own reference angle."""
+    """The feed, m, on the clock of the positions, computed from these and the engine's own reference angle.
+
+    Without a last full turn of the engine, the contour's reference length is the closed form's.
+    """
     path, linkage = _thread(case), case.mechanism.linkage
     time = motion.signal(Channel.POSITION).time
     corners = []
@@ -215,7 +221,7 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _true_feed(case: Case, time: Array) -> Array:
-    """The thread's feed by the closed form, m, at times (n,), s."""
+    """The thread's feed by the closed form, m, at times (n,), s; raises LinkproofError without a thread."""
     return feed(case.mechanism, _thread(case), case.motion.angle(time))
 
 
@@ -270,7 +276,7 @@ def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
 
 
 def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
-    """The quantities of these names, in this order; by default all that fit the case.
+    """The quantities of these names, in this order, each once; without names all that fit the case.
 
     ``joint_force`` stands for the forces of all joints. Raises UnknownNameError for a name that no case has, and
     LinkproofError for one that this case has not.
@@ -288,7 +294,7 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
 
 
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
-    """Raise LinkproofError for a quantity that the closed form does not have in this case."""
+    """Raise LinkproofError for a quantity of which the closed form has no value in this case."""
     for quantity in quantities:
         reason = quantity.undefined(case).partition(";")[0]
         if reason:
@@ -346,9 +352,9 @@ class NoSampleError(ValueError):
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error) -> tuple[Error, Curve]:
     """The ``blank`` record with the errors of one quantity over every sample that the engine returned, and its curve.
 
-    Samples of accelerations and torques at an acceleration jump (``near_jumps``) have a bound of their own: there an
-    engine may be off by the jump besides; where friction or a load jumps they are left out. Samples of Jeq near
-    standstill are left out and counted. A vector is compared as one, and stored by its magnitude; where the engine
+    At an acceleration jump (``near_jumps``), samples of accelerations and torques have a bound of their own: an engine
+    may be off by the jump besides. Where friction or a load jumps they are left out, and so are samples of Jeq near
+    standstill; ``left_out`` counts both. A vector is compared as one, and stored by its magnitude; where the engine
     tells the magnitude alone, magnitudes are compared. Raises NoSampleError where no sample is left.
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
@@ -411,7 +417,10 @@ def _magnitudes(values: Array) -> Array:
 
 
 def _sample_times(quantity: Quantity, motion: ObservedMotion) -> Array:
-    """Times, s, of the engine's samples of a quantity, those that are left out included."""
+    """Times, s, of the engine's samples of a quantity, those that are left out included.
+
+    Of forces the first joint's.
+    """
     if quantity.clock is Channel.JOINT_FORCE:
         return next(iter(motion.history.joint_force.values())).time
     return motion.signal(quantity.clock).time
