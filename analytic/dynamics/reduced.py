@@ -29,7 +29,7 @@ from analytic.kinematics.frames import Pair, Scalar, is_zero
 from analytic.kinematics.mechanism import Mechanism, once_per_mechanism
 from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
-from analytic.numerics.arrays import Array, Booleans
+from analytic.numerics.arrays import Array, Booleans, distinct
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.refine import extremes, grid, in_turn, zeros
 from analytic.numerics.roots import root
@@ -422,7 +422,7 @@ def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
         for corner, period in places
     ]
     every = np.concatenate([[], *map(np.atleast_1d, corners)])
-    return np.unique(every[(every > low) & (every < high)])
+    return distinct(every[(every > low) & (every < high)])
 
 
 def near_load_jumps(mechanism: Mechanism, angle: Array) -> Booleans:

@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.dead_centres import top_of_turn
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.arrays import Array
+from analytic.numerics.arrays import Array, distinct
 from analytic.numerics.refine import grid, in_turn, periodic_mean
 from analytic.signals import THREAD_FEED, reference_angle, reference_length, stop_position
 from comparisons.designer.curves import Curves, Instants, SignalFigure, choose_samples
@@ -272,11 +272,11 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 
 def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
     """Signals by name over the axis, at few instants that show them and their ``peaks``, s."""
-    truth = curves.truth_at(np.union1d(curves.grid, peaks))
+    truth = curves.truth_at(distinct(np.append(curves.grid, peaks)))
     groups = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(groups))
     few = choose_samples(truth.time, np.array(list(groups.values())), min(FEW, most), most)
-    places = np.union1d(few, np.searchsorted(truth.time, peaks))
+    places = distinct(np.append(few, np.searchsorted(truth.time, peaks)))
     if curves.instants.axis == "phi" and groups["phi"][-1] < groups["phi"][0]:
         places = places[::-1]
     return {name: values[places] for name, values in groups.items()}
@@ -356,7 +356,7 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
 def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
     """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
     even = np.linspace(0, len(curves[0]) - 1, EVEN_SAMPLES).astype(int)
-    places = np.unique(
+    places = distinct(
         np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
     )
     return {name: curve[places] for name, curve in zip(names, curves, strict=True)}

@@ -19,7 +19,7 @@ from analytic.description.written import finite
 from analytic.dynamics.reduced import load_corners
 from analytic.errors import LinkproofError
 from analytic.kinematics.sweep import transmission_angle
-from analytic.numerics.arrays import Array, Integers
+from analytic.numerics.arrays import Array, Integers, distinct
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest_each
 from analytic.numerics.roots import root, roots
@@ -86,7 +86,7 @@ class Instants:
         counts = self._intervals(edges)
         ends = zip(pairwise(edges), counts, strict=True)
         pieces = [np.linspace(start, end, count + 1) for (start, end), count in ends]
-        return np.unique(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
+        return distinct(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
 
     def _edges(self, jumps: list[float]) -> list[float]:
         """The instants, s, ascending, between which the motion has its pieces, both ends included."""
@@ -197,7 +197,7 @@ def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
     """
     even = np.linspace(axis[0], axis[-1], min(few, len(axis)))
-    places = np.unique(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
+    places = distinct(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
     shown = np.nan_to_num(curves, nan=0.0, posinf=0.0, neginf=0.0)
     shown = shown / np.maximum(np.max(np.abs(shown), axis=1, keepdims=True), np.finfo(float).tiny)
     for _ in range(ROUNDS):
@@ -208,7 +208,7 @@ def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
         worst = worst[np.argsort(-missed[worst])][: most - len(places)]
         if not len(worst):
             break
-        places = np.union1d(places, worst)
+        places = distinct(np.append(places, worst))
     return places
 
 
@@ -267,7 +267,7 @@ class Curves:
     @cached_property
     def grid(self) -> Array:
         """Instants over the whole motion, s: the even grid, more near dead positions, and the loads' corners."""
-        return np.union1d(refine_near_toggles(self.case, self.instants.grid), self.corners)
+        return distinct(np.append(refine_near_toggles(self.case, self.instants.grid), self.corners))
 
     @cached_property
     def corners(self) -> Array:
@@ -364,5 +364,5 @@ class Curves:
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 
-        edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.corners, self.grid[-1:]]))
+        edges = distinct(np.concatenate([self.grid[::CELL], jumps, self.corners, self.grid[-1:]]))
         return [float(mean) for (mean,) in averages(integrands, edges)]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -29,7 +29,7 @@ from analytic.numerics.arrays import Array
 from analytic.numerics.averages import NODES, WEIGHTS
 from analytic.numerics.refine import extremes, highest
 from analytic.signals import MAGNITUDE, THREAD_FEED, THREAD_LENGTH, feed, moving_points, signal, table, unit
-from comparisons.designer.curves import DIRECTION, TRANSMISSION, Curves, Measure, SignalFigure
+from comparisons.designer.curves import DIRECTION, TRANSMISSION, Curves, Key, Measure, SignalFigure
 from comparisons.motion.case import Case, case_of_file_regime
 
 SHAKING: Final = "shaking force"
@@ -315,8 +315,8 @@ def figure_unit(name: str, linkage: Linkage) -> str:
     return unit("S" if name == STROKE else part_figure(name)[0], linkage)
 
 
-def case_figures(curves: Curves, figures: Mapping[str, Figure | MechanismFigure]) -> dict[str, float]:
-    """Values, SI, of figures over the motion, by name.
+def case_figures(curves: Curves, figures: Mapping[Key, Figure | MechanismFigure]) -> dict[Key, float]:
+    """Values, SI, of figures over the motion, by name or another key.
 
     Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
     """
@@ -407,12 +407,46 @@ def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
     entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
     if entries:
         mechanism = Mechanism(linkage)
-        yield from (_record(mechanism, entry) for entry in entries)
+        asked = [*_asked(mechanism, entries)]
+        values = published_figures([part for parts in asked for part in parts])
+        for entry, parts in zip(entries, asked, strict=True):
+            ours, values = values[: len(parts)], values[len(parts) :]
+            yield _record(mechanism, entry, _combined(entry, *ours))
 
 
-def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
-    """The record of a printed figure with our value beside it."""
-    linkage, ours = mechanism.linkage, _evaluate(mechanism, entry)
+def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[tuple[Mechanism, Published]]]:
+    """For each printed figure what it is made of: the figure itself, the one it is less, the one it is relative to.
+
+    The others are of another signal of this linkage, or of another mechanism, in this linkage's variant if it has that.
+    """
+    variant, signals = mechanism.linkage.variant, table(mechanism)
+
+    @cache
+    def named(name: str) -> Mechanism:
+        """Another mechanism, by its name."""
+        linkage = load(name)
+        return Mechanism(load(name, variant) if variant in linkage.variants else linkage)
+
+    def other(entry: Published, name: str) -> tuple[Mechanism, Published]:
+        """The same figure of another signal, or of another mechanism."""
+        if name not in signals:
+            return named(name), entry
+        return mechanism, entry.model_copy(update={"quantity": f"{name}{part_figure(entry.quantity)[1]}"})
+
+    for entry in entries:
+        yield [(mechanism, entry), *(other(entry, name) for name in (entry.less, entry.relative_to) if name)]
+
+
+def _combined(entry: Published, ours: float, *others: float) -> float:
+    """Our value of a printed figure by the closed form, SI, from those that ``_asked`` gives for it."""
+    if entry.less:
+        ours -= others[0]
+    return ours / others[-1] if entry.relative_to else ours
+
+
+def _record(mechanism: Mechanism, entry: Published, ours: float) -> PublishedRecord:
+    """The record of a printed figure with our value, SI, beside it."""
+    linkage = mechanism.linkage
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
     unit = figure_unit(entry.quantity, linkage)
     if entry.relative_to:
@@ -454,43 +488,29 @@ def verdict(entry: Published, ours: float) -> str:
     return NEAR if abs(ours - entry.value) <= CLAIMED_ACCURACY * abs(entry.value) else "not reproduced"
 
 
-def _evaluate(mechanism: Mechanism, entry: Published) -> float:
-    """Our value of a printed figure by the closed form, SI."""
-    ours = published_figure(mechanism, entry)
-    if entry.less:
-        ours -= _other_figure(mechanism, entry, entry.less)
-    return ours / _other_figure(mechanism, entry, entry.relative_to) if entry.relative_to else ours
+def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[float]:
+    """Our values, SI, of printed figures' quantities in their motions; raises LinkproofError where there is none.
 
-
-def _other_figure(mechanism: Mechanism, entry: Published, other: str) -> float:
-    """A printed figure's value, SI, for the ``other`` signal of this linkage or another mechanism's figure."""
-    if other in table(mechanism):
-        ending = part_figure(entry.quantity)[1]
-        return published_figure(mechanism, entry.model_copy(update={"quantity": f"{other}{ending}"}))
-    of, variant = load(other), mechanism.linkage.variant
-    return published_figure(Mechanism(load(other, variant) if variant in of.variants else of), entry)
-
-
-def published_figure(mechanism: Mechanism, entry: Published) -> float:
-    """Our value, SI, of a printed figure's quantity in its motion; raises LinkproofError where there is none."""
-    name = entry.quantity
-    if name in MECHANISM_FIGURES:
-        return MECHANISM_FIGURES[name][1](mechanism)
-    figures = figures_by_name(mechanism, name)
-    if len(figures) > 1:
-        raise LinkproofError(f"published quantity: expected one figure, got '{name}', which is several; name one")
-    (item,) = figures.values()
-    angle = item.angle if isinstance(item, Figure) and entry.regime is None else math.nan
-    end = None if math.isnan(angle) else angle
-    speed = 1.0 if entry.speed is None else entry.speed * RPM
-    (value,) = case_figures(_curves(mechanism, entry.regime, speed, end), figures).values()
-    return value
-
-
-@lru_cache(maxsize=8)
-def _curves(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Curves:
-    """The curves of the case that figures are printed for; the latest are cached."""
-    return Curves(_case(mechanism, regime, speed, end))
+    Those of one motion are found together.
+    """
+    values: dict[int, float] = {}
+    motions: dict[tuple[Mechanism, str | None, float, float | None], dict[int, Figure | MechanismFigure]] = {}
+    for number, (mechanism, entry) in enumerate(asked):
+        figures = figures_by_name(mechanism, entry.quantity)
+        if len(figures) > 1:
+            raise LinkproofError(
+                f"published quantity: expected one figure, got '{entry.quantity}', which is several; name one"
+            )
+        (item,) = figures.values()
+        if not isinstance(item, Figure):
+            values[number] = item(mechanism)
+            continue
+        end = item.angle if entry.regime is None and not math.isnan(item.angle) else None
+        speed = 1.0 if entry.speed is None else entry.speed * RPM
+        motions.setdefault((mechanism, entry.regime, speed, end), {})[number] = item
+    for motion, found in motions.items():
+        values |= case_figures(Curves(_case(*motion)), found)
+    return [values[number] for number in range(len(asked))]
 
 
 def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:

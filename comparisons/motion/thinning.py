@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.numerics.arrays import Array, Integers
+from analytic.numerics.arrays import Array, Integers, distinct
 
 # A run's curve is stored by the worst sample of each of so many stretches, and by the extremes of so many of the truth.
 WORST: Final = 120
@@ -16,7 +16,7 @@ EXTREMES: Final = 40
 
 def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:
     """The curve (``CURVE``, samples) that a run stores: thinned, and the sample with the largest error kept."""
-    chosen = np.unique(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
+    chosen = distinct(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
     return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
 
 
@@ -25,7 +25,7 @@ def extreme_samples(values: Array, stretches: int) -> Integers:
     if len(values) <= 2 * stretches:
         return np.arange(len(values))
     ends = np.array([0, len(values) - 1])
-    return np.unique(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
+    return distinct(np.concatenate([ends, highest_samples(values, stretches), highest_samples(-values, stretches)]))
 
 
 def highest_samples(values: Array, stretches: int) -> Integers:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import shlex
@@ -24,16 +23,14 @@ from comparisons.designer import linkage_check
 from comparisons.designer.curves import Curves
 from comparisons.designer.figures import case_figures
 from comparisons.designer.linkage_check import check_slips
-from comparisons.designer.open_ends import BINDS
-from comparisons.designer.parameters import named_figures, parameters
 from comparisons.motion.case import Case
 from comparisons.trials.runs.files import check_writable, write_file
 from reports.designs.shelves import Listing
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.study import PICTURES, Content, Study
-from reports.document.templates import lines
 from reports.document.terminal import Printed, Printout
+from reports.mechanism.fact_words import review_words, warning_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,16 +182,11 @@ class Check(Study):
 def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
     """A line for each fact, then the links; ``written`` writes a length, m, in the file's unit."""
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
-    about = {"facts": facts, "written": written, "binds": math.degrees(BINDS)}
-    warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in lines("check_warnings", **about)]
+    words = [f"{name:<12} {fact}" for name, fact in review_words(facts, written)]
+    warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in warning_words(facts, written)]
     head = ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points")
     links = Table("", head, list(_links(facts["links"])), "lrrrl")
-    return [heading, *_lines("check", 12, **about), "", links, *warnings]
-
-
-def _lines(macro: str, width: int, **values: object) -> list[Printed]:
-    """The lines of a macro of ``sentences.txt``, their names padded to ``width`` before the first colon."""
-    return [f"{name:<{width}} {fact}" for name, _, fact in (words.partition(": ") for words in lines(macro, **values))]
+    return [heading, *words, "", links, *warnings]
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
@@ -213,6 +205,8 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
 
     A number has the digits that give its value back.
     """
+    from comparisons.designer.parameters import named_figures, parameters  # noqa: PLC0415 - check needs no designs
+
     linkage = mechanism.linkage
     every = named_figures(mechanism, figure_names(mechanism))
     curves = Curves(case)  # of one design, all figures are found together

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from analytic.errors import listed
 from reports.document import numbers
 
 if TYPE_CHECKING:
@@ -63,8 +62,8 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    filters = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
-           numbers.seconds, numbers.within_turn, plain, worded, listed, math.degrees)  # fmt: skip
+    filters = (numbers.figure, numbers.bound, numbers.decade, numbers.error, numbers.seconds,
+           numbers.within_turn, plain, math.degrees)  # fmt: skip
     environment.filters.update({function.__name__: function for function in filters})
     return environment
 

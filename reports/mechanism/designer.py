@@ -35,7 +35,8 @@ from reports.document.parts import (
     Section,
     Table,
 )
-from reports.document.templates import lines, plain, sentence
+from reports.document.templates import plain, sentence
+from reports.mechanism.fact_words import mechanism_words
 from reports.mechanism.shown import figures_table, jeq
 
 OUTPUT: Final = ("S", "v", "a")
@@ -243,7 +244,6 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 def facts(sheet: Sheet) -> Facts:
     """The facts on a mechanism that hold for every motion: structure, range, output, rest."""
-    table = {"equilibria": [], **sheet.facts}
-    pairs = [text.partition(": ")[::2] for text in lines("mechanism", facts=table) if not text.startswith("Jeq: ")]
+    pairs = [(name, words) for name, words in mechanism_words(sheet.facts) if name != "Jeq"]
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")
     return Facts((("structure", structure), *pairs))

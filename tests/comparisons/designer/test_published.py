@@ -16,7 +16,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import stroke, top_dead_centre
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.refine import extremes, grid, periodic_mean
-from comparisons.designer.figures import MECHANISM_FIGURES, compare_published, published_figure, verdict
+from comparisons.designer.figures import MECHANISM_FIGURES, compare_published, published_figures, verdict
 from comparisons.motion.case import case_of_file_regime, motion_of_file_regime
 from docs.making.tables import figures_of
 from engines.direct_adapter.adapter import DirectEngine
@@ -59,7 +59,8 @@ RPM = 30.0 / math.pi  # of 1 rad/s
 
 
 def value(of: Mechanism, quantity: str, **keys: object) -> float:
-    return published_figure(of, Published(quantity=quantity, value=0.0, place="", **keys))
+    (ours,) = published_figures([(of, Published(quantity=quantity, value=0.0, place="", **keys))])
+    return ours
 
 
 SLOW = ("n-four-bar", "two-crank-takeup", "shaper-quick-return")
