@@ -23,7 +23,6 @@ from comparisons.designer.parameters import (
 )
 from comparisons.designer.problem import (
     ALLOWED_EXCESS,
-    Constraint,
     DesignProblem,
     Variable,
     constraint,
@@ -49,51 +48,36 @@ def step_size(variables: Sequence[Variable], text: str) -> float:
     return step
 
 
-def round_lengths(problem: DesignProblem, numbers: Mapping[str, float], step: float) -> dict[str, float]:
-    """Numbers, SI, of the best design near the optimum's whose lengths are multiples of a ``step``, m.
+def round_lengths(problem: DesignProblem, place: Array, step: float) -> dict[str, float]:
+    """Numbers, SI, of the best design near a place, the optimum's, whose lengths are multiples of a ``step``, m.
 
-    One length after the other takes the better of its two neighbouring multiples; the numbers left are then searched
-    for anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds without a
-    multiple.
+    One length after the other takes the better of its two neighbouring multiples, which are then its bounds; all others
+    are searched for anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds
+    without a multiple.
     """
-    best, left = dict(numbers), list(problem.variables)
-    for variable in [entry for entry in problem.variables if entry.parameter.kind == "length"]:
-        left.remove(variable)
-        name, unit = variable.parameter.name, variable.parameter.unit
-        below = math.floor(best[name] / step + STEP_ROUNDING)
-        near = [
-            n * step
-            for n in (below, below + 1)
-            if variable.low - STEP_ROUNDING * step <= n * step <= variable.high + STEP_ROUNDING * step
-        ]
-        tried = [_search_others(problem, {**best, name: value}, left) for value in near]
-        ranked = [(rank, number) for number, (rank, _) in enumerate(tried) if rank is not None]
-        if not ranked:
+    for number, variable in enumerate(problem.variables):
+        if variable.parameter.kind != "length":
+            continue
+        value, slack = problem.low[number] + problem.width[number] * place[number], STEP_ROUNDING * step
+        below, start, tried = math.floor(value / step + STEP_ROUNDING), place.copy(), []
+        start[number] = 0.0
+        for multiple in (below * step, (below + 1) * step):
+            fixed = [*problem.variables]
+            fixed[number] = variable._replace(low=multiple, high=multiple)
+            rounded = replace(problem, variables=tuple(fixed))
+            is_within = variable.low - slack <= multiple <= variable.high + slack
+            end = Descent(rounded).run(start) if is_within else None
+            if end is not None:
+                tried.append((end.rank, multiple, rounded, end.place))
+        if not tried:
+            unit = variable.parameter.unit
             raise LinkproofError(
-                f"--round: expected designs at multiples of {step / unit.size:g} {unit.name} beside {name} "
-                f"{best[name] / unit.size:g}, within the bounds, got none; give a finer step or wider bounds"
+                f"--round: expected designs at multiples of {step / unit.size:g} {unit.name} beside "
+                f"{variable.parameter.name} {value / unit.size:g}, within the bounds, got none; give a finer step or "
+                "wider bounds"
             )
-        best = tried[min(ranked)[1]][1]
-    return best
-
-
-def _search_others(
-    problem: DesignProblem, numbers: dict[str, float], left: Sequence[Variable]
-) -> tuple[tuple[float, float] | None, dict[str, float]]:
-    """Search anew for the variables ``left``: rank and numbers of the best design; rank None without one."""
-    fixed = {
-        name: value for name, value in numbers.items() if name not in {variable.parameter.name for variable in left}
-    }
-    if left:
-        rest = replace(problem, case=problem.case.redesigned(fixed), variables=tuple(left))
-        start = np.array([numbers[variable.parameter.name] for variable in left])
-        end = Descent(rest).run(np.clip((start - rest.low) / rest.width, 0.0, 1.0))
-        numbers = numbers if end is None else {**fixed, **rest.numbers(end.place)}
-    values = np.array([numbers[variable.parameter.name] for variable in problem.variables])
-    try:
-        return Descent(problem).end((values - problem.low) / problem.width).rank, numbers
-    except AssemblyError:
-        return None, numbers
+        _, _, problem, place = min(tried)
+    return problem.numbers(place)
 
 
 # The best design of a linkage for a request, with further results for its designer.
@@ -104,21 +88,6 @@ KINKED: Final = (Reduction.MAX, Reduction.RANGE)
 DIGITS: Final = (6, 9, 12)  # of a number that a new file has
 AS_GOOD: Final = 1e-6  # share of the aim that fewer digits may cost
 OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
-
-
-@dataclass(frozen=True)
-class OptimisationRequest:
-    """An optimisation as typed: a figure, numbers to vary, figures to constrain, whether to search ``everywhere``.
-
-    Lengths are rounded to a ``step``, if there is one.
-    """
-
-    figure: str
-    over: Sequence[str]
-    keep: Sequence[str] = ()
-    is_least: bool = True
-    everywhere: bool = False
-    step: str = ""
 
 
 @dataclass(frozen=True)
@@ -171,13 +140,12 @@ class Optimum:
         """Whether a design of these numbers is as good as the best one and meets the same constraints."""
         problem, count = self.problem, len(self.problem.aims)
         values = problem.case.figures_of(numbers, problem.figures)
-        aim, best = (problem.sign * np.max(problem.sign * row[:count]) for row in (values, self.values[1]))
         held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
         is_held = all(
             float(part.violation(value)) <= max(float(part.violation(known)), ALLOWED_EXCESS * size)
             for part, value, known, size in held
         )
-        return bool(abs(aim - best) <= AS_GOOD * problem.aim_size) and is_held
+        return bool(abs(self.aim(values) - self.aim(self.values[1])) <= AS_GOOD * problem.aim_size) and is_held
 
     def curves(self) -> dict[str, Array]:
         """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI."""
@@ -196,6 +164,11 @@ class Optimum:
         of_best = self.problem.case.redesigned(self.after).open_ends(self.figures)
         return of_best if of_best.names else self.problem.case.open_ends(self.figures)
 
+    def aim(self, values: Array) -> float:
+        """The aim's value, SI, among figures (figures,): of several aims the worst one's."""
+        sign = self.problem.sign
+        return float(sign * np.max(sign * values[: len(self.problem.aims)]))
+
     @property
     def is_fixed(self) -> bool:
         """Whether the constraints leave nothing to vary."""
@@ -209,51 +182,55 @@ class Optimum:
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
 
-def optimise(case: SteadyCase, request: OptimisationRequest, announce: Announce) -> Optimum:
-    """The best design between the bounds; raises LinkproofError for bad input and if no design is feasible."""
-    mechanism = case.mechanism
-    varied = variables(mechanism.linkage, request.over, case.speed)
-    step = step_size(varied, request.step) if request.step else None
-    aims = named_figures(mechanism, [request.figure])
-    sign = 1.0 if request.is_least else -1.0
-    texts = constraint_texts(mechanism, request.keep)
-    _check_figures(aims, tuple(texts), request)
-    requested = named_figures(mechanism, [*dict.fromkeys(figure.name for figure in (*aims, *texts))])
-    others = [
-        figure
-        for figure in _known_figures(mechanism, REPORTED)
-        if figure.name not in {named_figure.name for named_figure in requested}
-    ]
-    figures = (*requested, *others)
+def optimise(
+    case: SteadyCase,
+    figure: str,
+    over: Sequence[str],
+    keep: Sequence[str] = (),
+    *,
+    is_least: bool = True,
+    everywhere: bool = False,
+    step: str = "",
+    announce: Announce = lambda *_: None,
+) -> Optimum:
+    """The design with the least, else the largest, ``figure`` over numbers within bounds, texts as typed.
+
+    ``keep`` constrains figures; the search is ``everywhere`` in the bounds, or from the file's design; lengths are
+    rounded to a ``step``, if there is one. Raises LinkproofError for bad input and if no design is feasible.
+    """
+    varied = variables(case, over)
+    multiple = step_size(varied, step) if step else 0.0
+    aims, texts = named_figures(case.mechanism, [figure]), constraint_texts(case.mechanism, keep)
+    _check_figures(aims, tuple(texts), figure, is_least=is_least)
+    names = dict.fromkeys(each.name for each in (*aims, *texts, *_known_figures(case.mechanism, REPORTED)))
+    figures = named_figures(case.mechanism, names)
     before = {variable.parameter.name: variable.parameter.value for variable in varied}
     own = case.figures_of(before, figures)
-    sizes = dict(zip((figure.name for figure in figures), own, strict=True))
-    constraints = tuple(constraint(figure, text, float(sizes[figure.name])) for figure, text in texts.items())
+    sizes = dict(zip(names, own.tolist(), strict=True))
+    constraints = tuple(constraint(each, text, sizes[each.name]) for each, text in texts.items())
     problem = DesignProblem(
-        case, aims, sign, varied, constraints,
-        max(float(np.max([np.abs(sizes[aim.name]) for aim in aims])), _zero_size(aims[0])),
-        tuple(max(_constraint_size(part), abs(float(sizes[part.figure.name])), _zero_size(part.figure))
-              for part in constraints),
+        case, aims, 1.0 if is_least else -1.0, varied, constraints, _size(aims[0], *(sizes[aim.name] for aim in aims)),
+        tuple(_size(part.figure, part.low, part.high, sizes[part.figure.name]) for part in constraints),
     )  # fmt: skip
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
     _check_depends(problem, start)
-    result = search(problem, start, announce, everywhere=request.everywhere)
+    result = search(problem, start, announce, everywhere=everywhere)
     end = _feasible_end(problem, result)
     exact = problem.numbers(end.place)
-    after = exact if step is None else round_lengths(problem, exact, step)
+    after = round_lengths(problem, end.place, multiple) if multiple else exact
     values = np.array([own, *(case.figures_of(numbers, figures) for numbers in (after, exact))])
-    return Optimum(problem, result, end, before, after, figures, values[:2], request.step, values[2])
+    return Optimum(problem, result, end, before, after, figures, values[:2], step, values[2])
 
 
-def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], request: OptimisationRequest) -> None:
+def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], typed: str, *, is_least: bool) -> None:
     """Raise LinkproofError for figures that cannot be optimised or constrained."""
     for figure in (*aims, *keep):
         if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
             raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
                                  "and kept; its largest is mostly 90°, in a kink")  # fmt: skip
-    if len(aims) > 1 and aims[0].figure.reduction not in (OF_HIGHEST if request.is_least else (Reduction.MIN,)):
+    if len(aims) > 1 and aims[0].figure.reduction not in (OF_HIGHEST if is_least else (Reduction.MIN,)):
         names = ", ".join(aim.name for aim in aims)
-        raise LinkproofError(f"expected one figure, got {request.figure}, which stands for {names}; choose one of them")
+        raise LinkproofError(f"expected one figure, got {typed}, which stands for {names}; choose one of them")
 
 
 def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
@@ -267,14 +244,9 @@ def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigu
     return figures
 
 
-def _constraint_size(figure: Constraint) -> float:
-    """The larger of a constraint's finite bounds, SI, in magnitude; 0 without one."""
-    return max((abs(end) for end in (figure.low, figure.high) if np.isfinite(end)), default=0.0)
-
-
-def _zero_size(figure: NamedFigure) -> float:
-    """The scale, SI, for a figure that is zero: a millionth of the file's unit."""
-    return 1e-6 * figure.unit.size
+def _size(figure: NamedFigure, *values: float) -> float:
+    """The scale of a figure, SI: the largest magnitude of its finite values, or a millionth of the file's unit."""
+    return max(1e-6 * figure.unit.size, *(abs(value) for value in values if math.isfinite(value)), 0.0)
 
 
 def _check_depends(problem: DesignProblem, start: Array) -> None:
@@ -308,16 +280,12 @@ def _feasible_end(problem: DesignProblem, result: Search) -> End:
     if best.is_feasible:
         return best
     values = problem.case.figures_of(problem.numbers(best.place), problem.figures)[len(problem.aims) :]
-    worst = max(
+    worst, value, _ = max(
         zip(problem.constraints, values, problem.constraint_sizes, strict=True),
         key=lambda row: float(row[0].violation(row[1])) / row[2],
     )
-    figure, value, size = worst[0].figure, worst[1], worst[0].figure.unit.size
-    ends = [f"{word} {end / size:.6g}" for word, end in (("from", worst[0].low), ("to", worst[0].high))
-            if np.isfinite(end)]  # fmt: skip
-    name = f"of {worst[0].low / size:.6g}" if worst[0].is_equal else " ".join(ends)
-    unit = f" {figure.unit.name}" if figure.unit.name else ""
+    unit = f" {worst.figure.unit.name}".rstrip()
     raise LinkproofError(
-        f"expected a design with {figure.name} {name}{unit}, got none within the bounds; the nearest found has "
-        f"{float(value) / size:.6g}{unit}: widen --over or --keep"
+        f"expected a design with {worst.figure.name} {worst.words}{unit}, got none within the bounds; the nearest "
+        f"found has {float(value) / worst.figure.unit.size:.6g}{unit}: widen --over or --keep"
     )

@@ -208,6 +208,10 @@ class SteadyCase:
         """The linkage as its file describes it."""
         return self.mechanism.linkage
 
+    def parameter(self, name: str) -> Parameter:
+        """A number of the linkage by name, or the driver's speed; raises UnknownNameError."""
+        return parameter(self.linkage, name, self.speed)
+
     def figures(
         self,
         numbers: Mapping[str, Array],

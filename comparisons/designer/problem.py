@@ -17,7 +17,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from analytic.description.changes import SPEED
-from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import signal_gradients, signal_values
 from analytic.designs.figures import Figure, Reduction, SignalExtreme, part_figure
 from analytic.errors import AssemblyError, LinkproofError
@@ -25,7 +24,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.arrays import Array, Integers
 from analytic.numerics.refine import Tops, climb
 from analytic.signals import MAGNITUDE, OUTPUT_COORDINATE, is_angle
-from comparisons.designer.parameters import NamedFigure, Parameter, SteadyCase, named_figures, parameter
+from comparisons.designer.parameters import NamedFigure, Parameter, SteadyCase, named_figures
 
 FEWEST_ANGLES: Final = 360  # crank angles at which signals are sampled
 MOST_WINDOWS: Final = (
@@ -177,6 +176,14 @@ class Constraint(NamedTuple):
     def is_equal(self) -> bool:
         """Whether the range is a single value."""
         return self.low == self.high
+
+    @property
+    def words(self) -> str:
+        """The value, or the ends of the range, in words, in the file's unit."""
+        if self.is_equal:
+            return f"at {self.low / self.figure.unit.size:.6g}"
+        ends = (("from", self.low), ("to", self.high))
+        return " ".join(f"{word} {end / self.figure.unit.size:.6g}" for word, end in ends if math.isfinite(end))
 
     def violation(self, value: Array) -> Array:
         """The distance of values, SI, from the range, outside of it; 0 inside."""
@@ -342,8 +349,8 @@ PERCENT_RANGE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\
 NOT_NEGATIVE: Final = ("mass", "inertia")
 
 
-def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
-    """The numbers to vary, from texts as typed; one may be the driver's ``speed``, SI.
+def variables(case: SteadyCase, texts: Sequence[str]) -> tuple[Variable, ...]:
+    """The numbers to vary, from texts as typed; one may be the driver's speed.
 
     Raises LinkproofError for malformed bounds, UnknownNameError for a name.
     """
@@ -354,7 +361,7 @@ def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Var
         name, mark, bounds = text.rpartition("=")
         if not mark:
             raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
-        number = parameter(linkage, name.strip(), speed)
+        number = case.parameter(name.strip())
         if number.name in result:
             raise LinkproofError(f"--over: expected each number once, got {number.name} twice; leave one out")
         result[number.name] = Variable(number, *_bounds(number, bounds))

@@ -5,7 +5,7 @@ The designs of a grid are numbered in C order, its last axis fastest. Values are
 
 from __future__ import annotations
 
-import io
+import csv
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from analytic.description.changes import SPEED
-from analytic.description.linkage import Linkage
 from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError, shortened
@@ -31,7 +29,6 @@ from comparisons.designer.parameters import (
     Parameter,
     SteadyCase,
     named_figures,
-    parameter,
 )
 
 if TYPE_CHECKING:
@@ -52,11 +49,13 @@ class DesignSpace:
     is_list: bool = False
 
     def __post_init__(self) -> None:
-        """Raise LinkproofError for a parameter that comes twice."""
-        names = [number.name for number in self.parameters]
+        """Raise LinkproofError for a parameter that comes twice, and for a list whose columns differ in length."""
+        names, lengths = [number.name for number in self.parameters], [*map(len, self.columns)]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
+        if self.is_list and len({*lengths}) > 1:
+            raise LinkproofError(f"table: expected columns of one length, got {lengths}; correct it")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -91,7 +90,7 @@ class DesignSpace:
         return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
 
-def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
+def parameter_range(case: SteadyCase, text: str) -> tuple[Parameter, Array]:
     """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
 
     Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
@@ -100,7 +99,7 @@ def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
     words = ends.split(":")
     if not equals or len(words) != 3:
         raise LinkproofError(f"--vary: expected {RANGE_FORM}, got '{text}'; correct it")
-    number = parameter(linkage, name.strip())
+    number = case.parameter(name.strip())
     first, last = (number.in_file(word) for word in words[:2])
     count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
     if not 1 <= count <= MOST:
@@ -118,75 +117,54 @@ def parameter_range(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
 # Designs as a table in a CSV file: a column per parameter, a row per design.
 
 LARGEST_TABLE: Final = 1 << 27  # bytes
-OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 
 
-def read_table(path: Path, linkage: Linkage) -> DesignSpace:
+def read_table(path: Path, case: SteadyCase) -> DesignSpace:
     """The table of a file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
 
-    Raises UnknownNameError for an unknown column or unit, LinkproofError for a file that cannot be read and
-    rows that are no designs.
+    Raises LinkproofError for a file that cannot be read, an unknown column or unit, and rows that are no designs.
     """
-    import pandas  # noqa: PLC0415 - half a second that only a table pays for
-
     start = f"--table '{path}': expected"
     content = read_file(path, "a table of designs", LARGEST_TABLE)
-
-    def read(rows: int | None = None) -> pandas.DataFrame:
-        """The cells of the file as text, of its first ``rows`` rows or of all."""
-        return pandas.read_csv(
-            io.BytesIO(content), header=None, index_col=False, dtype=str, keep_default_na=False, skip_blank_lines=False,
-            encoding="utf-8-sig", nrows=rows,
-        )  # fmt: skip
-
     try:
-        columns = _read_head(start, read(1).iloc[0].tolist(), linkage)
-        cells = read().fillna("")
-    except UnicodeDecodeError as error:
-        raise LinkproofError(f"{start} text in UTF-8, got other bytes; save it as CSV") from error
-    except pandas.errors.EmptyDataError as error:
-        raise LinkproofError(f"{start} a head that names parameters, got an empty file; add it") from error
-    except pandas.errors.ParserError as error:
-        why = str(error).removeprefix("Error tokenizing data. C error: ").strip()
-        raise LinkproofError(f"{start} a cell per column in every row, got other rows: {why}; correct it") from error
-    rows = cells.iloc[1:].apply(lambda column: column.str.strip())
-    rows = rows[(rows != "").any(axis=1)]  # lines without a design count for nothing
-    if rows.empty:
+        lines = enumerate(csv.reader(content.decode("utf-8-sig").splitlines()), start=1)
+        rows = [(line, row) for line, row in lines if any(map(str.strip, row))]  # a line without a design is none
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise LinkproofError(f"{start} comma-separated text in UTF-8, got other bytes; save it as CSV") from error
+    if len(rows) < 2:
         raise LinkproofError(f"{start} a head that names parameters and a row per design below, got none; add some")
-    wrong = np.argwhere(~np.isfinite(rows.apply(pandas.to_numeric, errors="coerce").to_numpy(dtype=float)))
-    if len(wrong):
-        row, column = wrong[0]
-        got = f"'{shortened(rows.iat[row, column])}'" if rows.iat[row, column] else "nothing"
-        raise LinkproofError(
-            f"{start} a finite number in line {rows.index[row] + 1}, column {columns[column][0].name}, got {got}; "
-            "correct it"
-        )
-    exact = rows.to_numpy(dtype=object).astype(float)  # to_numeric is off by a last digit here and there
-    values = exact.T * np.array([size for _, size in columns])[:, None]
-    return DesignSpace(tuple(number for number, _ in columns), tuple(values), is_list=True)
+    (_, names), *rows = rows
+    try:
+        columns = [_read_column(name, case) for name in names]
+    except LinkproofError as error:
+        raise LinkproofError(f"{start} a head that names parameters, with commas between them, got: {error}") from error
+    values = [_read_row(start, line, row, names) for line, row in rows]
+    sizes = np.array([size for _, size in columns])
+    return DesignSpace(tuple(number for number, _ in columns), tuple(np.array(values).T * sizes[:, None]), is_list=True)
 
 
-def _read_head(start: str, names: list[str], linkage: Linkage) -> list[tuple[Parameter, float]]:
-    """The parameters of a table's first line, each with its column's unit over the file's unit."""
-    if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in names[0]), None)):
-        raise LinkproofError(f"{start} commas between columns, and points in numbers, got {other}; save it so")
-    if not any(name.strip() for name in names):
-        raise LinkproofError(f"{start} a head that names parameters, got an empty line; add it")
-    columns = []
-    for number, cell in enumerate(names, start=1):
-        if not cell.strip():
-            raise LinkproofError(
-                f"{start} a parameter's name over every column, got nothing over column {number}; add it, or leave the "
-                "column out"
-            )
-        name, bracket, unit = cell.strip().partition("[")
-        entry = parameter(linkage, name.strip())
-        size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
-        columns.append((entry, size))
-    return columns
+def _read_column(name: str, case: SteadyCase) -> tuple[Parameter, float]:
+    """The parameter that a cell of the first line names, and the column's unit over the file's unit."""
+    name, bracket, unit = name.strip().partition("[")
+    entry = case.parameter(name.strip())
+    size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
+    return entry, size
 
 
-def given_designs(linkage: Linkage, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
+def _read_row(start: str, line: int, row: Sequence[str], names: Sequence[str]) -> list[float]:
+    """The numbers of a design from the cells of its line; raises LinkproofError for other cells."""
+    if len(row) != len(names):
+        raise LinkproofError(f"{start} {len(names)} cells in every line, got {len(row)} in line {line}; correct it")
+    try:
+        values = [*map(float, row)]
+    except ValueError:
+        values = [math.nan]
+    if not all(map(math.isfinite, values)):
+        raise LinkproofError(f"{start} finite numbers in line {line}, got '{shortened(','.join(row))}'; correct it")
+    return values
+
+
+def given_designs(case: SteadyCase, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
     """The designs of ``vary``, a grid, or ``table``, a list; for Dask arrays one design and the arrays by name.
 
     Raises LinkproofError for bad input.
@@ -197,16 +175,16 @@ def given_designs(linkage: Linkage, vary: Any, table: Any) -> tuple[DesignSpace,
             f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: give one of the two"
         )
     if isinstance(table, str | Path):
-        return read_table(Path(table), linkage), None
+        return read_table(Path(table), case), None
     if not isinstance(vary, Mapping) and table is None:
-        numbers, columns = zip(*(parameter_range(linkage, text) for text in vary), strict=True)
+        numbers, columns = zip(*(parameter_range(case, text) for text in vary), strict=True)
         return DesignSpace(numbers, columns), None
     given = vary if table is None else table
     values = {str(name): _check_values(str(name), given[name]) for name in given}
-    parts = tuple(parameter(linkage, name) for name in values)
-    if any(map(_is_dask_array, values.values())):
-        return _design_space(parts, [np.zeros(1)] * len(parts), is_list=table is not None), values
-    return _design_space(parts, [*values.values()], is_list=table is not None), None
+    parts = tuple(map(case.parameter, values))
+    lazy = any(map(_is_dask_array, values.values()))
+    columns = tuple(np.zeros(1) if lazy else column for column in values.values())
+    return DesignSpace(parts, columns, is_list=table is not None), values if lazy else None
 
 
 def _is_dask_array(values: object) -> bool:
@@ -223,15 +201,6 @@ def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two
     return values
 
 
-def _design_space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_list: bool) -> DesignSpace:
-    """The list or grid of these values; raises LinkproofError for columns of different lengths."""
-    if is_list and len({len(value) for value in values}) > 1:
-        raise LinkproofError(
-            f"table: expected columns of one length, got {[len(value) for value in values]}; correct it"
-        )
-    return DesignSpace(parts, tuple(values), is_list)
-
-
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
 LARGEST: Final = 200_000  # designs of a block, of which a few arrays are in memory
@@ -240,24 +209,12 @@ REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
 
 @dataclass(frozen=True)
 class SweepRequest:
-    """Which figures of which designs in a case.
-
-    ``path`` is as for ``design_figures``; the paths differ by rounding, so that one does all blocks.
-    """
+    """Which figures of which designs in a case, with extremes sampled, or refined between the samples."""
 
     case: SteadyCase
     space: DesignSpace
     figures: tuple[NamedFigure, ...]
     refine: bool = False
-    path: str = "auto"
-
-    @property
-    def numbers_of_file(self) -> dict[str, float]:
-        """Numbers of the linkage's file, SI, by parameter; the speed is the motion's."""
-        return {
-            parameter.name: abs(self.case.speed) if parameter.kind == SPEED else parameter.value
-            for parameter in self.space.parameters
-        }
 
     @property
     def at_open_end(self) -> OpenEndFigures:
@@ -265,16 +222,23 @@ class SweepRequest:
         return self.case.open_ends(self.figures)
 
     @property
-    def loads_that_stay(self) -> str:
-        """A warning about loads over φ while the first or last design moves the dead centres; "" without."""
+    def warnings(self) -> list[str]:
+        """Sentences on open ends, and on loads over φ while the first or last design moves the dead centres."""
         ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
         designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
-        return self.case.loads_that_stay(designs)
+        return [*filter(None, (self.at_open_end.sentence, self.case.loads_that_stay(designs)))]
 
-    @property
-    def warnings(self) -> list[str]:
-        """Sentences that warn a reader of the figures, as about open ends."""
-        return [*filter(None, (self.at_open_end.sentence, self.loads_that_stay))]
+    def values(self, numbers: Mapping[str, Array], path: str = "auto") -> Array:
+        """Figures (figures, designs), in the units of the file, of designs with these numbers (designs,), SI.
+
+        ``path`` is as for ``design_figures``.
+        """
+        values = self.case.figures(numbers, self.figures, refine=self.refine, path=path)
+        return np.asarray(values / np.array([figure.unit.size for figure in self.figures])[:, None])
+
+    def own(self) -> Array:
+        """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion."""
+        return self.values({number.name: np.array([number.value]) for number in self.space.parameters})[:, 0]
 
 
 @dataclass(frozen=True)
@@ -325,59 +289,29 @@ def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = l
 
     Raises LinkproofError where the space has values that no design can.
     """
-    own, count = figures_of_file(request), request.space.count
+    own, count = request.own(), request.space.count
     cost = len(request.case.places) * (REFINED if request.refine else 1)
     size = min(max(1, PLACES // cost), LARGEST)
+    # The paths differ by rounding, so that one computes all blocks.
     path = usual_path([figure.figure for figure in request.figures], count * len(request.case.places))
     values = np.empty((len(request.figures), count))
     for first in range(0, count, size):
         last = min(first + size, count)
-        values[:, first:last] = sweep_block(replace(request, path=path), first, last)
+        values[:, first:last] = request.values(request.space.block(first, last), path)
         announce("designs", last, count)
     return SweepStudy(request, own, values)
-
-
-def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
-    """Figures of the designs from number ``first`` up to ``last``, (figures, designs), in the units of the file."""
-    return _compute_figures(request, request.space.block(first, last))
-
-
-def _compute_figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
-    """Figures (figures, designs) of numbers (designs,), SI, by name, in the units of the file."""
-    values = request.case.figures(numbers, request.figures, refine=request.refine, path=request.path)
-    return np.asarray(values / np.array([figure.unit.size for figure in request.figures])[:, None])
-
-
-def figures_of_file(request: SweepRequest) -> Array:
-    """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion.
-
-    Raises LinkproofError where the space has values that no design can.
-    """
-    for number, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
-        if number.kind == SPEED and least <= 0.0 <= most:
-            raise LinkproofError(
-                f"{number.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it"
-            )
-        if number.kind in ("mass", "inertia") and least < 0.0:
-            raise LinkproofError(
-                f"{number.name}: expected no negative {number.kind}, got {least:g} {number.unit.name}; "
-                "correct the range"
-            )
-    design = {name: np.array([value]) for name, value in request.numbers_of_file.items()}
-    return _compute_figures(replace(request, path="numpy"), design)[:, 0]
 
 
 def reason_not_assembled(request: SweepRequest) -> str:
     """The sentence why the first design cannot be assembled throughout its motion; "" where it can."""
     case, first = request.case, request.space.block(0, 1)
-    design = {name: float(values[0]) for name, values in first.items()}
     try:
-        moved = case.redesigned(design).mechanism.sweep(case.places)
+        moved = case.redesigned({name: float(values[0]) for name, values in first.items()}).mechanism.sweep(case.places)
         for body in case.mechanism.structure.bodies:
             moved.rates(body)
     except AssemblyError as error:
         return str(error)
-    stands = np.all(np.isnan(_compute_figures(replace(request, path="numpy"), first)))
+    stands = np.all(np.isnan(request.values(first)))
     return f"'{case.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""
 
 
@@ -408,7 +342,7 @@ def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dat
     """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks."""
     import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 
-    figures_of_file(request)  # raises LinkproofError for figures that no design has
+    request.own()  # raises LinkproofError for figures that no design has
     shape = request.space.shape
     over = [0] * len(values) if request.space.is_list else range(len(shape))
     arrays = [value if _is_dask_array(value) else da.from_array(value, chunks=-1) for value in values.values()]
@@ -422,5 +356,5 @@ def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dat
 
 def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
     """The figures of one chunk of designs, in the shape that Dask joins."""
-    space = _design_space(request.space.parameters, values, is_list=request.space.is_list)
-    return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
+    space = replace(request.space, columns=values)
+    return request.values(space.block(0, space.count)).reshape(-1, *space.shape)

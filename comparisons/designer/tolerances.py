@@ -145,7 +145,7 @@ def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple
 
 def _read_tolerance(number: Parameter, value: object) -> TolerancedNumber:
     """The tolerance of a number from its value in the table; raises LinkproofError."""
-    entry = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
+    entry: Mapping[str, Any] = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
     for key in entry:
         if key not in (PLUS_MINUS, DISTRIBUTION):
             raise UnknownNameError("key", key, (PLUS_MINUS, DISTRIBUTION))

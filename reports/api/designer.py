@@ -34,9 +34,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from reports.designs.linkages import Check, New
+    from reports.designs.optimise import Optimisation
     from reports.designs.shelves import Listing
+    from reports.designs.sweep import LazySweep, Sweep
     from reports.designs.tolerance import Tolerance
-    from reports.studies.designs import LazySweep, Optimisation, Sweep
     from reports.studies.judged import Judgement
     from reports.studies.results import Results
 
@@ -238,11 +239,11 @@ def sweep(
     from comparisons.designer.sweep import sweep as sweep_space
     from reports.api.linkages import resolve
     from reports.api.steady import steady_case, sweep_request
-    from reports.studies.designs import LazySweep, Sweep
+    from reports.designs.sweep import LazySweep, Sweep
 
     chosen, mechanism, motion = resolve(mechanism, motion)
     case = steady_case(chosen, motion, scale_mass=scale_mass, refine=refine)
-    space, lazy = given_designs(case.mechanism.linkage, vary, table)
+    space, lazy = given_designs(case, vary, table)
     request = sweep_request(case, space, quantity, refine=refine)
     if lazy is not None:
         return LazySweep(lazy_dataset(request, lazy))
@@ -299,14 +300,16 @@ def optimise(
     from comparisons.designer.optimisation import optimise as find_optimum
     from comparisons.designer.parameters import mass_words
     from reports.api.linkages import resolve
-    from reports.api.steady import check_words, optimisation_request, steady_case
-    from reports.studies.designs import Optimisation
+    from reports.api.steady import aim_and_ranges, check_words, steady_case
+    from reports.designs.optimise import Optimisation
 
     chosen, mechanism, motion = resolve(mechanism, motion)
     command = command_line(optimise, locals())
-    request = optimisation_request(minimise, maximise, over, keep, is_global=everywhere, step=step)
+    asked = aim_and_ranges(minimise, maximise, over, keep)
     case = steady_case(chosen, motion, scale_mass=scale_mass)
-    best = find_optimum(case, request, announce)
+    best = find_optimum(
+        case, *asked, is_least=maximise is None, everywhere=everywhere, step=step or "", announce=announce
+    )
     conditions = case.conditions + mass_words(case.mechanism.linkage, best.after)
     return Optimisation(best, conditions, command, check_words(best, motion))
 

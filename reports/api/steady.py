@@ -15,7 +15,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import conditions
 from comparisons.designer.figures import NEGLIGIBLE
-from comparisons.designer.optimisation import OptimisationRequest, Optimum
+from comparisons.designer.optimisation import Optimum
 from comparisons.designer.parameters import (
     SAMPLES,
     SteadyCase,
@@ -71,16 +71,10 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
     return SweepRequest(replace(case, conditions=conditions), space, figures, refine)
 
 
-def optimisation_request(
-    minimise: str | None,
-    maximise: str | None,
-    over: Ranges,
-    keep: Ranges,
-    *,
-    is_global: bool,
-    step: str | None,
-) -> OptimisationRequest:
-    """The aim and the constraints of an optimisation; raises LinkproofError for bad input before the search."""
+def aim_and_ranges(
+    minimise: str | None, maximise: str | None, over: Ranges, keep: Ranges
+) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+    """The figure to optimise, numbers with bounds and figures to hold, as typed; raises LinkproofError unless one."""
     if (minimise is None) == (maximise is None):
         got = "neither" if minimise is None else "both"
         raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")
@@ -88,7 +82,7 @@ def optimisation_request(
         tuple(range_word(*pair) for pair in given.items()) if isinstance(given, Mapping) else tuple(given)
         for given in (over, keep)
     )
-    return OptimisationRequest(minimise or maximise or "", varied, held, minimise is not None, is_global, step or "")
+    return minimise or maximise or "", varied, held
 
 
 def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:

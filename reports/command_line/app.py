@@ -36,7 +36,7 @@ def _print_version(context: click.Context, is_asked: bool) -> None:
         context.exit()
 
 
-STUDIES, LINKAGES, TRIALS = "reports.studies.designs", "reports.designs.linkages", "reports.studies.trials"
+LINKAGES, TRIALS = "reports.designs.linkages", "reports.studies.trials"
 PRINTED = {"json": "", "quiet": ""}
 
 study_command(
@@ -118,7 +118,7 @@ study_command(
     summary="Find conditions under which each engine fails.",
 )  # fmt: skip
 study_command(
-    app, "sweep", designer.sweep, study=f"{STUDIES}:Sweep",
+    app, "sweep", designer.sweep, study="reports.designs.sweep:Sweep",
     summary="Compute figures of many designs, such as peak torque over a range of lengths.",
     offers={
         "save": "Write every design (.csv .nc), a picture (.svg .png .pdf) or the summary (.json); repeatable.",
@@ -126,7 +126,7 @@ study_command(
     },
 )  # fmt: skip
 study_command(
-    app, "optimise", designer.optimise, study=f"{STUDIES}:Optimisation",
+    app, "optimise", designer.optimise, study="reports.designs.optimise:Optimisation",
     summary="Find the best lengths: the smallest peak torque at the same stroke, for example.",
     offers={
         "save": "Write the new linkage (.toml), the curves (.svg .png .pdf) or the results (.json); repeatable.",

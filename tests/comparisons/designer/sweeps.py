@@ -7,15 +7,15 @@ from comparisons.designer.sweep import DesignSpace, SweepRequest, parameter_rang
 from tests.analytic.linkages import file_text
 
 SIX_BAR = load("rimoldi-164")
+CASE = case_at_speed(Mechanism(SIX_BAR), 100.0, samples=8)
 GRID = ("rod.B.x=160:180:5", "rod.mass=100g:0.2:3", "rod.centre.x=50:6cm:2")
 FIGURES = ("Mkr.peak", "transmission_angle:rocker + rod (RRR).peak", "stroke")
 BARE = file_text("four-bar-without-masses")
 
 
 def grid(*texts):
-    return DesignSpace(*zip(*(parameter_range(SIX_BAR, text) for text in texts), strict=True))
+    return DesignSpace(*zip(*(parameter_range(CASE, text) for text in texts), strict=True))
 
 
-def request(space=None, figures=FIGURES, samples=8, speed=100.0):
-    case = case_at_speed(Mechanism(SIX_BAR), speed, samples=samples)
-    return SweepRequest(case, space or grid(*GRID), named_figures(case.mechanism, figures))
+def request(space=None, figures=FIGURES):
+    return SweepRequest(CASE, space or grid(*GRID), named_figures(CASE.mechanism, figures))

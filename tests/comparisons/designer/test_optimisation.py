@@ -13,7 +13,7 @@ from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import sheet, usual_case
-from comparisons.designer.optimisation import OptimisationRequest, optimise
+from comparisons.designer.optimisation import optimise
 from comparisons.designer.parameters import case_at_speed
 from comparisons.designer.searches import AGREEING
 from tests.analytic.linkages import from_text
@@ -27,7 +27,7 @@ CRANK, GROUND, ROCKER = 0.02, 0.06, 0.045  # m, of the four-bar
 
 def best(mechanism, *over, **wish):
     chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
-    return optimise(case_at_speed(chosen, SPEED), OptimisationRequest(over=over, **wish), lambda *_: None)
+    return optimise(case_at_speed(chosen, SPEED), over=over, **wish)
 
 
 def moved(name, value):

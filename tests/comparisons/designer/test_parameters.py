@@ -168,5 +168,5 @@ def test_names_may_have_the_signs_of_figures_and_ranges():
     figures = [figure.name for figure in named_figures(named, ["link:=r@d:angle.peak", "link:=r@d:angle@30"])]
     assert figures == ["link:=r@d:angle.peak", "link:=r@d:angle@30"]
     assert [worded(name) for name in figures] == ["angle of link =r@d, peak", "angle of link =r@d at 30°"]
-    assert parameter_range(named.linkage, "=r@d.mass=0.1:0.2:2")[0].name == "=r@d.mass"
+    assert parameter_range(case_at_speed(named, 1.0), "=r@d.mass=0.1:0.2:2")[0].name == "=r@d.mass"
     assert [figure.name for figure in constraint_texts(named, ["link:=r@d:angle.peak"])] == figures[:1]

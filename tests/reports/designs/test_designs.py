@@ -12,8 +12,8 @@ from comparisons.designer.parameters import case_at_speed
 from comparisons.designer.sweep import sweep
 from comparisons.designer.tolerances import Tolerances, tolerance_study
 from reports.charts.draw import INK, LIMIT, MUTED
+from reports.designs.sweep import Sweep
 from reports.designs.sweep_picture import sweep_figure
-from reports.designs.sweep_terminal import sentence
 from reports.designs.tolerance import NONE, TIED, Tolerance, tornado_figure
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
 from tests.comparisons.designer.sweeps import grid, request
@@ -125,13 +125,13 @@ def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design(
 
 
 def summed_up(*texts):
-    return sweep(request(grid(*texts), figures=("stroke",)))
+    return Sweep(sweep(request(grid(*texts), figures=("stroke",))), "").sentence()
 
 
 def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
-    assert sentence(summed_up("rod.B.x=175:175:1")) == "1 design, which assembles at every angle"
-    assert sentence(summed_up("rod.B.x=175:176:2")) == "2 designs, all of which assemble at every angle"
-    told = sentence(summed_up("rod.B.x=160:180:2001"))
+    assert summed_up("rod.B.x=175:175:1") == "1 design, which assembles at every angle"
+    assert summed_up("rod.B.x=175:176:2") == "2 designs, all of which assemble at every angle"
+    told = summed_up("rod.B.x=160:180:2001")
     assert told.startswith("2 001 designs, of which ")
     assert "(100 %)" not in told
     assert told.endswith("to 180 mm")
