@@ -34,7 +34,10 @@ def _swing(sample, start, end):
     return Case(Mechanism(linkage), swing("cycloidal", start, end, time=0.1, regime="swing"))
 
 
-@pytest.mark.parametrize("name", [pytest.param("exudyn", marks=pytest.mark.nightly), *ENGINES[1:]])  # 800 steps of it
+@pytest.mark.parametrize(
+    "name",
+    ["mujoco", "ondsel", "simbody", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("exudyn", "pymunk"))],
+)
 def test_the_force_on_a_prescribed_driver_is_that_of_the_closed_form(name):
     case = _swing("linear-motor", 0.0, 0.03)
     run = installed(name).run(case.scene(frozenset({Channel.TORQUE})), Setting.TUNED)

@@ -1,21 +1,18 @@
 """The second derivation against the closed form and the laws of mechanics, and on scenes that cannot be solved."""
 
-import dataclasses
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import cumulative_simpson
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from analytic.dynamics.released import free_motion
+from analytic.errors import LinkproofError
 from comparisons.motion.case import scene
-from comparisons.trials.invariants.checks import joint_gaps
-from comparisons.trials.invariants.inspection import Inspection
-from comparisons.trials.observed_motion import ObservedMotion
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
@@ -27,13 +24,9 @@ ENGINE = DirectEngine()
 
 # Errors relative to the peak.
 SAME = 1e-12  # two derivations of one linkage
-ROUNDING = 3e-14  # of mechanisms with moderate transmission angles: a few roundings, times their condition
 NEAR_TOGGLE = 1e-9  # one linkage is made to magnify the rounding of its own lengths a millionfold
 BALANCE = 1e-12  # of the largest force: Newton's and Euler's laws on the bodies of a run
-WORK = 1e-4  # what the quadrature of power leaves of an energy balance at three degrees of crank per sample
-SLIGHT = 1e-9  # a change of one mass that has to be noticed
 LONG_ANGLE = 1e-9  # rad after ten seconds and 160 turns
-SLOW_CRANK = 1e-9  # rad/s: at rest
 
 BARE = [pytest.param(*each, False, marks=pytest.mark.nightly) for each in FULL_TURN]
 LADEN = [pytest.param(name, None, True, marks=pytest.mark.nightly if k % 2 else ())
@@ -70,31 +63,6 @@ def test_direction_start_angle_and_many_turns_cost_no_accuracy(changes):
     assert _worst(mechanism("two-crank-takeup"), _motion(**changes)) <= SAME
 
 
-def test_angles_are_unwrapped_over_the_turns():
-    position = _run(mechanism("two-crank-takeup"), _motion())[1].position
-    angles = position.values[:, :, 2]
-    assert np.array_equal(angles[:, 1], _motion().angle(position.time)), "bodies come by name: coupler, crank"
-    assert np.max(np.abs(np.diff(angles, axis=0))) < 1.0
-    turned = angles[-1, 1] - angles[0, 1]
-    assert abs(angles[-1, 2] - angles[0, 2] - turned) < 2.0 * math.pi, "the rocker of a double crank turns with it"
-
-
-@pytest.mark.parametrize("name", ["carried-slider", "ground-pin-in-slot"])
-def test_the_motion_keeps_the_laws_of_mechanics_by_itself(name):
-    linkage = on_trial(name, None, True)
-    model, history = _run(linkage, _motion("constant-speed"))
-    seen, time = ObservedMotion(model, history), history.torque.time
-    assert np.max(joint_gaps(seen).values) <= ROUNDING * linkage.linkage.extent()
-    power = history.torque.values * seen.crank(Channel.VELOCITY, time) + seen.load_power(time)
-    energy = seen.kinetic_energy(time) + seen.potential_energy(time)
-    surplus = energy - energy[0] - cumulative_simpson(power, x=time, initial=0.0)
-    assert np.max(np.abs(surplus)) <= WORK * np.max(seen.kinetic_energy(time))
-    by_power = Inspection(seen).torque_required()
-    fast = np.abs(seen.crank(Channel.VELOCITY, by_power.time)) >= SLOW_CRANK
-    difference = (by_power.values - seen.on_clock(Channel.TORQUE, by_power.time))[fast]
-    assert np.max(np.abs(difference)) <= BALANCE * np.max(np.abs(history.torque.values))
-
-
 def _standing(angle):
     """A crank that stands still."""
     return Prescribed(CrankMotion("constant-speed", (Segment(0.0, 0.1, (angle, 0.0)),)))
@@ -127,13 +95,6 @@ def test_a_slider_crank_that_stands_still_is_held_as_by_hand():
     assert history.torque.values == pytest.approx(-24.0, abs=BALANCE)
 
 
-def test_a_slightly_wrong_mass_is_noticed():
-    linkage, motion = mechanism("juki-mf7923d"), _motion()
-    for body in driven(linkage, motion).bodies:
-        model = with_body(driven(linkage, motion), body.name, mass=body.mass * (1.0 + SLIGHT))
-        assert errors_of(history_of(ENGINE, model), linkage, motion)["torque"] > SAME
-
-
 # -- a free crank ------------------------------------------------------------------------------------------------------
 
 
@@ -156,7 +117,7 @@ def test_a_released_parallelogram_swings_between_its_change_points():
     energy = 0.5 * inertia * speed**2 + lift * np.sin(angle)
     assert np.ptp(energy) <= SAME * energy[0]
     assert np.ptp(angle) > 0.1
-    assert np.max(np.abs(history.position.values[:, 0, 2])) <= ROUNDING
+    assert np.max(np.abs(history.position.values[:, 0, 2])) <= SAME
 
 
 # -- motions and scenes that cannot be solved --------------------------------------------------------------------------
@@ -207,7 +168,7 @@ def _three_cranks():
 def test_redundant_joints_free_bodies_and_a_crank_that_cannot_turn_are_refused():
     model = _three_cranks()
     assert "redundant" in _refusal(model)
-    assert "more than the crank can move" in _refusal(dataclasses.replace(model, pins=model.pins[:-2]))
+    assert "more than the crank can move" in _refusal(replace(model, pins=model.pins[:-2]))
     assert "crank 0" in _refusal(with_body(model, "crank 0", inertia=None))
 
 
@@ -237,3 +198,10 @@ def test_every_setting_is_the_method_as_an_exact_solution_has_no_defaults_and_no
     torques = [ENGINE.run(model, setting).history.torque for setting in Setting]
     torques.append(ENGINE.run_method(model, method, torques[0].time[1]).history.torque)
     assert all(np.array_equal(torque.values, torques[0].values) for torque in torques)
+    for other, step, words in (
+        (method, 0.0, "step"),
+        (method, math.nan, "step"),
+        (replace(method, name="x"), 1.0, "x"),
+    ):
+        with pytest.raises(LinkproofError, match=words):
+            ENGINE.run_method(model, other, step)

@@ -87,6 +87,7 @@ def _hangs(pin, body, placed):
     return body.name in (pin.first, pin.second) and bool({pin.first, pin.second} & placed.keys())
 
 
+@pytest.mark.nightly  # deriving the equations takes seconds
 @pytest.mark.parametrize("sample", ["four-bar", "slider-crank"])
 def test_accelerations_torque_and_a_joint_force_are_those_of_kanes_method(sample):
     scene = case(sample).scene(frozenset(Channel))

@@ -1,16 +1,14 @@
 """What exudyn alone has: samples at a jump, change points, its tolerance, and a memory that has to be given back."""
 
-import math
-
 import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
 from engines.contract import Outcome, Setting
-from engines.exudyn_adapter.adapter import BEST, TUNED, ExudynEngine
+from engines.exudyn_adapter.adapter import BEST, ExudynEngine
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import crank_number, driven, history_of, true_motion
+from tests.engines.closed_form import crank_number, driven, history_of
 
 pytest.importorskip("exudyn")
 
@@ -59,53 +57,6 @@ def test_nothing_of_a_run_outlives_it(monkeypatch):
 
 
 loop = pytest.importorskip("engines.exudyn_adapter.loop")
-
-EXACT = (1e-13, 1e-11, 1e-8)  # of the largest coordinate, velocity and acceleration
-OFF = 1e-3  # of the unit of length and rad that a state is moved off the joints
-RUN_UP = crank_motion("run-up", ramp_time=0.15, hold_time=0.05, start_angle=0.3)
-
-
-def _world(name, motion):
-    given = driven(mechanism(name), motion)
-    units = own_units(given)
-    return ENGINE.build(scaled(given, units), TUNED), units
-
-
-def _part(start, segment):
-    return {"start": start, "segment": (segment.start, segment.coefficients)}
-
-
-def _truth(name, motion, units, time):
-    """Displacements from the start and their derivatives in exudyn's order, in the model's units."""
-    unit = np.array([units.length, units.length, 1.0])
-    states = [part / unit for part in true_motion(mechanism(name), motion, np.array([0.0, time]))]
-    return (states[0][1] - states[0][0]).ravel(), states[1][1].ravel(), states[2][1].ravel()
-
-
-@pytest.mark.parametrize("name", ["juki-mf7923d", "slotted-takeup", "moving-guides"])
-def test_a_state_near_the_joints_becomes_the_closed_forms(name):
-    bodies = driven(mechanism(name), RUN_UP).bodies
-    turns = np.array([(True, True, body.inertia is not None) for body in bodies]).ravel()  # others have no angle
-    for segment, time in zip(RUN_UP.segments, (0.11, RUN_UP.segments[1].start), strict=True):
-        world, units = _world(name, RUN_UP)
-        truth = [np.where(turns, part, 0.0) for part in _truth(name, RUN_UP, units, time)]
-        moved = truth[0] + OFF * np.random.default_rng(1).uniform(-1.0, 1.0, len(truth[0]))
-        found = loop.closed_state(world, _part(time, segment), (moved, truth[1], truth[2]))
-        assert found is not None
-        for got, true, exact in zip(found, truth, EXACT, strict=True):
-            assert np.abs(got - true)[turns].max() <= exact * max(1.0, np.abs(true).max())
-
-
-def test_no_state_is_taken_that_is_another_assembly_or_undetermined():
-    world, units = _world("rimoldi-164", RUN_UP)
-    position, *rates = _truth("rimoldi-164", RUN_UP, units, 0.1)
-    far = position + np.random.default_rng(2).uniform(-2.0, 2.0, len(position))
-    assert loop.closed_state(world, _part(0.1, RUN_UP.segments[0]), (far, *rates)) is None
-    dead = crank_motion("constant-speed", start_angle=math.pi / 2.0)
-    world, units = _world("parallelogram", dead)
-    time = 0.5 * math.pi / dead.peak_speed  # at 180°, where the other assembly mode branches off
-    reached = _truth("parallelogram", dead, units, time * (1.0 - 1e-4))
-    assert loop.closed_state(world, _part(time, dead.segments[0]), reached) is None
 
 
 def test_samples_between_two_parts_are_the_engines_own(monkeypatch):

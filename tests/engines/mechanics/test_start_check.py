@@ -18,7 +18,6 @@ from engines.scene import (
     SliderJoint,
     SlotJoint,
     TurnDamper,
-    turns,
 )
 from tests.analytic.linkages import EVERY, mechanism
 from tests.engines.closed_form import with_body
@@ -146,11 +145,3 @@ def test_what_goes_beyond_an_engines_abilities_is_said_in_one_sentence(name, les
     model = _scene(name)
     assert ability_obstacle(model, ALL) is None
     assert (ability_obstacle(model, dataclasses.replace(ALL, **less)) or "").startswith(reason)
-
-
-@pytest.mark.parametrize(
-    ("hosts", "expected"),
-    [({}, True), ({"a": "ground"}, False), ({"a": "b", "b": "ground"}, False), ({"a": "b", "b": "a"}, True)],
-)
-def test_a_slider_turns_with_its_host_and_may_in_a_circle_of_them(hosts, expected):
-    assert turns("a", hosts) is expected

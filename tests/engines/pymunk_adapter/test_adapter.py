@@ -9,13 +9,9 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
 from analytic.description.units import Kind
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.motion.case import scene
 from engines.contract import Setting
-from engines.mechanics.states import pose_of, with_ground
-from engines.pymunk_adapter import adapter
-from engines.pymunk_adapter.adapter import PymunkEngine, contraction
-from engines.pymunk_adapter.layout import exact_layout, plain_layout
-from engines.scene import Channel, Prescribed
+from engines.pymunk_adapter.adapter import PymunkEngine
+from engines.scene import Channel
 from engines.stepping.own_units import own_units
 from tests.analytic.linkages import file_text, from_text, mechanism
 from tests.engines.closed_form import driven, errors_of, history_of, run_of
@@ -25,7 +21,6 @@ loop = pytest.importorskip("engines.pymunk_adapter.loop")
 
 ENGINE = PymunkEngine()
 TUNED = 5e-5  # of the peak: torque, joint forces and accelerations
-WRONG_GROOVE = 1e-4  # what a groove off the mass centre's line does to velocities at any step
 SEEN = 1e-2  # of a joint force: what a world of another crank or without a load is off by
 
 LIGHT = file_text("four-bar-without-inertia")
@@ -77,52 +72,8 @@ def test_a_crank_of_twice_its_mass_and_a_side_load_that_is_missing_are_seen_in_t
         assert wrong[joint] > SEEN
 
 
-def test_a_groove_that_is_not_cut_free_gives_a_wrong_velocity(monkeypatch):
-    monkeypatch.setattr(adapter, "exact_layout", plain_layout)
-    assert _errors(mechanism("ground-pin-in-slot"), _motion())["velocity"] > WRONG_GROOVE
-
-
-def test_a_naive_run_has_pymunks_defaults_and_the_torques_size_alone():
-    model = driven(mechanism("juki-mf7923d"), _motion(hold_time=0.01))
-    run = ENGINE.run(model, Setting.NAIVE)
-    assert (run.steps, run.details["iterations"]) == (700, 10)
-    assert len(run.history.acceleration.time) == run.steps
-    assert np.all(run.history.torque.values >= 0.0)
-
-
-def test_no_buffer_is_made_for_a_run(monkeypatch):
-    """For pymunk never frees one."""
-    monkeypatch.delattr("pymunk.batch.Buffer")
-    assert run_of(ENGINE, mechanism("juki-mf7923d"), _motion(ramp_time=0.01), Setting.BEST).torque is not None
-
-
 def test_a_linkage_with_a_change_point_is_run_away_from_it():
     motion = _motion(speed=10.0)
     history = run_of(ENGINE, mechanism("parallelogram"), motion, Setting.TUNED)
     errors = errors_of(history, mechanism("parallelogram"), motion)
     assert max(errors[name] for name in ("torque", "position", "velocity", "acceleration")) < TUNED
-
-
-FORESEEN = 0.05  # relative error of the foreseen convergence
-
-
-def _scene(name, **changes):
-    return scene(mechanism(name), Prescribed(crank_motion(start_angle=0.3, **changes)), frozenset(Channel))
-
-
-@pytest.mark.parametrize("name", ["fork-takeup", "slotted-takeup", "rimoldi-164"])
-def test_the_solver_converges_as_foreseen(name, monkeypatch):
-    layout = exact_layout(_scene(name))
-    left = []
-    for iterations in (60, 80):
-        world = PymunkEngine().build(_scene(name), dataclasses.replace(adapter.TUNED, effort=iterations))
-        monkeypatch.setattr(loop, "COLD", 1)
-        (seen,), *_ = loop.take_steps(world, 1e-3, np.full(2, 60.0), tuple(map(np.array, ([0, 1], [1], []))), [])
-        seen = seen[:-1]
-        equations = layout.equations
-        state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))
-        rows = equations.jacobian(equations.arms(pose_of(state)))[0]
-        residual = rows @ equations.gather(rate)[0]
-        left.append(np.abs(residual[: equations.crank_row]).max())
-    observed = (left[1] / left[0]) ** (1.0 / 20.0)
-    assert observed == pytest.approx(contraction(layout, pose_of(state)), rel=FORESEEN)

@@ -17,7 +17,7 @@ ALL = frozenset(Channel)
 
 def _scene(name, drive=None):
     return scene(
-        mechanism(name), drive or Prescribed(crank_motion("run-up-quintic", ramp_time=0.05, hold_time=0.01)), ALL
+        mechanism(name), drive or Prescribed(crank_motion("run-up-quintic", ramp_time=0.01, hold_time=0.002)), ALL
     )
 
 

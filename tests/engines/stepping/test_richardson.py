@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.contract import History, Signal
-from engines.stepping.richardson import Pass, extrapolate, weights
+from engines.stepping.richardson import Pass, extrapolate
 
 ROUNDING = 1e-12
 TIME = np.linspace(0.0, 1.0, 11)
@@ -29,14 +29,6 @@ def _even_powers(step, _number):
 
 def _worst(history):
     return np.abs(history.torque.values - TRUTH[1:]).max()
-
-
-def test_weights_add_up_to_one_and_cancel_each_order():
-    steps = np.array([0.1, 0.1 / 3.0, 0.02])
-    share = weights(steps, (2, 4))
-    assert share.sum() == pytest.approx(1.0)
-    assert share @ steps**2 == pytest.approx(0.0, abs=ROUNDING)
-    assert share @ steps**4 == pytest.approx(0.0, abs=ROUNDING)
 
 
 @pytest.mark.parametrize("count", [2, 4])
@@ -75,8 +67,3 @@ def test_clocks_that_differ_are_refused():
     fine = History(torque=Signal(TIME, TRUTH))
     with pytest.raises(ValueError, match="same sample times"):
         extrapolate([Pass(0.1, History(torque=coarse.torque)), Pass(0.1 / 3.0, fine)])
-
-
-def test_too_few_orders_are_refused():
-    with pytest.raises(ValueError, match="at least 2 orders"):
-        weights([1.0, 0.5, 0.25], (2,))

@@ -13,7 +13,6 @@ from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.motion.case import scene
 from engines.contract import Abilities, History, Origin, Outcome, ReadOut, Setting, Signal
 from engines.scene import Channel, Free, Prescribed, SliderJoint
-from engines.stepping.intervals import Cost, DivergedError, UnsupportedError, run_stepping
 from engines.stepping.stepped_engine import Recipe, SteppedEngine, plain_law
 from tests.analytic.linkages import mechanism
 
@@ -151,19 +150,3 @@ def test_a_load_at_an_angle_is_the_splines(loop, name):
     plain = plain_law(law)
     for angle in (*np.linspace(-9.0, 9.0, 37).tolist(), *KNOTS.tolist()):
         assert at(plain, angle) == pytest.approx(np.asarray(true(angle)), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("error", "outcome"), [(DivergedError("gone"), Outcome.DIVERGED), (UnsupportedError("gone"), Outcome.UNSUPPORTED)]
-)
-def test_a_run_that_stops_keeps_its_reason_and_what_it_cost(error, outcome):
-    cost = Cost(details={"method": "any"})
-
-    def history():
-        with cost.timing("seconds"):
-            cost.steps += 7
-            raise error
-
-    run = run_stepping(cost, history)
-    assert (run.outcome, run.reason, run.steps, run.details) == (outcome, "gone", 7, {"method": "any"})
-    assert run.seconds > 0.0
