@@ -40,7 +40,7 @@ class Origin(StrEnum):
 
 
 def weakest(origins: Iterable[Origin]) -> Origin:
-    """The weakest of several origins: that of a value computed from all of them."""
+    """The weakest of several origins: that of a value computed from all of them; READ for none."""
     return max(origins, key=list(Origin).index, default=Origin.READ)
 
 
@@ -162,7 +162,7 @@ class Abilities:
     settings: frozenset[Setting] = frozenset(Setting)
 
     def as_dict(self) -> dict[str, dict[str, str]]:
-        """The origins of the read-outs by channel, JSON-ready."""
+        """The read-outs by channel, each as a dictionary of its fields, JSON-ready."""
         return {channel.value: asdict(readout) for channel, readout in self.readouts.items()}
 
 

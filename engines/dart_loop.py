@@ -52,13 +52,19 @@ class World:
             self.world.getConstraintSolver().addConstraint(constraint)
 
     def attach(self, parent: Any, kind: str, mass: float = TINY, inertia: float = TINY) -> tuple[Any, Any]:  # noqa: ANN401
-        """Create a joint and a body (kg, kg m²) on a parent, or on the ground for an empty skeleton; returns both."""
+        """Create a joint of a ``kind`` and a body (kg, kg m²) on a parent, or on the ground for an empty skeleton.
+
+        Returns both.
+        """
         joint, body = getattr(parent, f"create{kind}AndBodyNodePair")()
         body.setInertia(dart.dynamics.Inertia(mass, np.zeros(3), inertia * np.eye(3)))
         return joint, body
 
     def new_body(self, name: str, mass: float, inertia: float | None) -> Any:  # noqa: ANN401
-        """Create a body in a skeleton of its own, kg and kg m²; one without inertia has its angle locked."""
+        """Create a body, kg and kg m², in a skeleton of its own and return it.
+
+        One without inertia has its angle locked.
+        """
         _, carrier = self.attach(dart.dynamics.Skeleton(name), "TranslationalJoint2D")
         joint, body = self.attach(carrier, "RevoluteJoint", mass, inertia or mass)
         if inertia is None:
@@ -68,7 +74,9 @@ class World:
     def new_joint(self, name: str, ends: tuple[str, str], line: Any, sign: float, keeps_angle: bool) -> Any:  # noqa: ANN401
         """Create the constraint of a pin at a point of its carrier or, with a direction in ``line``, on a line of it.
 
-        DART has no force of a constraint to read: it acts on a probe that the carrier holds by a joint.
+        Returns it. ``ends`` are carrier and other body. DART has no force of a constraint to read: it acts on a probe
+        that the carrier holds by a joint, which ``forces`` keeps with its ``sign``. With ``keeps_angle`` the bodies do
+        not turn against each other.
         """
         (carrier, other), (point, along) = (self.bodies[end] for end in ends), line
         joint, probe = self.attach(carrier, "PrismaticJoint" if along else "WeldJoint")
@@ -83,12 +91,12 @@ class World:
         return dart.constraint.BallJointConstraint(probe, other, probe.getTransform().translation())
 
     def spin(self, body: str) -> float:
-        """Angular velocity of a body, rad/s, at the instant of its position; 0 for one that cannot turn."""
+        """Angular velocity of a body, rad/s, at the instant of its position; 0 for the ground."""
         joint = self.turns.get(body)
         return float(joint.getVelocity(0) + self.half * joint.getAcceleration(0)) if joint else 0.0
 
     def advance(self, speed: float) -> None:
-        """Take one step with this speed of the crank, rad/s."""
+        """Take one step with this speed of the crank, rad/s, under the model's loads and dampers."""
         self.turns[self.given["crank"]].setCommand(0, speed)
         for body, anchor, force in self.given["loads"]:
             self.bodies[body].addExtForce([*force, 0.0], [*anchor, 0.0], False, True)
@@ -99,7 +107,7 @@ class World:
         self.world.step()
 
     def state(self, order: str) -> Array:
-        """x, y and angle of the bodies for ``Positions``, or their ``Velocities`` or ``Accelerations``, (bodies, 3)."""
+        """x, y and angle of the bodies for "Positions", or of their "Velocities" or "Accelerations", (bodies, 3)."""
         return np.array([getattr(skeleton, f"get{order}")()[:3] for skeleton in self.skeletons])
 
     def read(self, place: Array) -> Data:

@@ -80,7 +80,7 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """Refuse sliders and turn dampers that are not on the ground, in a sentence; else None."""
+        """The reason, in a sentence, to refuse sliders and turn dampers that are not on the ground; else None."""
         ends = [{slider.host} for slider in scene.sliders] + [{damper.first, damper.second} for damper in scene.dampers]
         return None if all(GROUND in each for each in ends) else "it takes no slider or turn damper but on the ground"
 

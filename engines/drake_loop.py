@@ -57,17 +57,20 @@ class World:
         plant.get_applied_spatial_force_input_port().FixValue(self.context, loads)
 
     def body(self, mass: float = 0.0, inertia: float = 0.0) -> Any:  # noqa: ANN401
-        """Add a body, its frame at the mass centre, by mass, kg, and inertia, kg m²."""
+        """Add a body, its frame at the mass centre, by mass, kg, and inertia, kg m², and return it."""
         own = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(*[inertia / mass if mass else 1.0] * 3))
         return self.plant.AddRigidBody(f"body {self.plant.num_bodies()}", own)
 
     def frame(self, body: Any, point: Point = (0.0, 0.0), angle: float = 0.0) -> Any:  # noqa: ANN401
-        """Add a frame to a body at a point, m, turned by an angle, rad."""
+        """Add a frame to a body at a point, m, turned by an angle, rad, and return it."""
         pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space_vector(point))
         return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
 
     def add_with_joints(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
-        """Add a body with a chain of joints from the ground; each joint with its axis, as vectors in (x, y, angle)."""
+        """Add a body with a chain of joints from the ground; each joint with its axis, as vectors in (x, y, angle).
+
+        A slider has its guide as the only joint, whose force ``forces`` keeps.
+        """
         name, mass, inertia, place, angle = body
         guide, along = given["guides"].get(name, ("", None))
         damping = sum(coefficient for *ends, coefficient in given["dampers"] if name in ends)
@@ -88,7 +91,7 @@ class World:
         """Add a pin, or with ``far`` > 0, m, a point kept at this distance, which stands for a slot.
 
         Drake has no force of a constraint as output: the constraint acts on a body without mass that is welded to the
-        joint's first body, and the weld's force is read.
+        joint's first body, and the weld, which ``forces`` keeps, has the force.
         """
         (body, here), (host, there), probe = first, second, self.body()
         weld = drake.WeldJoint(name, self.frame(self.bodies[body], here), probe.body_frame(), drake.RigidTransform())
@@ -100,14 +103,14 @@ class World:
             self.plant.AddBallConstraint(*ends)
 
     def load(self, body: str, anchor: Point, force: Point) -> Any:  # noqa: ANN401
-        """Create a constant force, N, at a point of a body."""
+        """Create a constant force, N, ground frame, at a point of a body, as Drake's object; it does not act yet."""
         load = drake.ExternallyAppliedSpatialForce()
         load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space_vector(anchor)
         load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space_vector(force))
         return load
 
     def read(self, time: float) -> Data:
-        """Positions, velocities, accelerations, torque and joint forces at an instant, s."""
+        """Advance the plant to an instant, s; return positions, velocities, accelerations, torque and joint forces."""
         self.simulator.AdvanceTo(time)
         plant, context, forces = self.plant, self.context, list[Any]()
         changes = plant.get_generalized_acceleration_output_port().Eval(context)
@@ -135,9 +138,10 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """Step through the part of a course and return its samples; accelerations and forces begin after the start.
+    """Step through the one part of a course and return its samples; accelerations and forces begin after the start.
 
-    The joints, closed at first, open within some ten steps as far as the steps allow.
+    The joints, closed at first, open within some ten steps as far as the steps allow. Raises ArithmeticError where
+    Drake gives up.
     """
     (part,), ratio = course["parts"], course["ratio"]
     step = part["end"] / (ratio * part["samples"])

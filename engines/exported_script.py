@@ -61,7 +61,7 @@ class ScriptFigure(NamedTuple):
     true: float = 0.0
 
     def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
-        """The size, SI, of the unit in which the script counts its samples of this figure."""
+        """The size, SI, of the unit in which the script counts its samples of this figure; 1 without own units."""
         kind, *joint = self.signal
         if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
             return 1.0
@@ -115,7 +115,10 @@ def written(value: object) -> str:
 
 
 def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, ...]]) -> None:
-    """Print, at the end of an exported script, where the engine is furthest from the closed form, in SI units."""
+    """Print, at the end of an exported script, where the engine is furthest from the closed form, in SI units.
+
+    A figure is as ``ScriptFigure`` has it, followed by the size of its unit.
+    """
     print(f"{'':44}{'time, s':>9}{engine:>20}{'when exported':>20}{'closed form':>20}{'difference':>12}")  # noqa: T201
     for what, unit, (channel, *joint), element, at, exported, true, factor in figures:
         time, values = map(np.asarray, samples[channel][joint[0]] if joint else samples[channel])
@@ -127,7 +130,8 @@ def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, 
 def _standalone_source(loop: str) -> tuple[str, str]:
     """Docstring and source of a loop's module, without remarks for linters, to run without linkproof.
 
-    The source of another loop that it imports from stands before it.
+    The source of another loop that it imports from stands before it. Raises UnsupportedError where it imports more of
+    linkproof.
     """
     source = inspect.getsource(import_module(loop))
     module, lines, before = ast.parse(source), source.splitlines(), list[str]()
@@ -150,12 +154,12 @@ def _standalone_source(loop: str) -> tuple[str, str]:
 
 
 def _without_remarks(source: str) -> str:
-    """A source without the comments that address linters."""
+    """A source without the remarks that address linters."""
     return re.sub(r"  # noqa.*", "", source)
 
 
 def _units_in_words(units: OwnUnits | None) -> str:
-    """A comment, as Python source, on the units of the script's numbers."""
+    """A sentence or two, as text, on the units of the script's numbers; SI without own units."""
     if units is None:
         return "Units: m, kg, s, rad and what follows from them."
     return (

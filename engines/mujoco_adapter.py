@@ -77,7 +77,10 @@ class MujocoModel:
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
     def loads(self, numbers: Mapping[str, int]) -> list[tuple[Any, ...]]:
-        """Forces and torques as rows: body, anchor, law, its variable and direction, frame, reaction's body."""
+        """Forces and torques as rows: body, anchor, law, its variable and direction, frame, reaction's body.
+
+        Bodies are ``numbers``; a torque has one component.
+        """
         ground = numbers[GROUND]
         forces = [
             (
@@ -92,7 +95,10 @@ class MujocoModel:
         ]
 
     def friction(self, numbers: Mapping[str, int]) -> Iterator[tuple[Any, ...]]:
-        """The joints with friction: name, friction over force, both bodies; anchor and direction of a guide."""
+        """Yield the joints with friction: name, friction over force, both bodies.
+
+        Anchor and direction of a guide, else 0 and None. Bodies are ``numbers``.
+        """
         joints = {joint.name: joint for joint in (*self.scene.pins, *self.scene.guided)}
         for rubs in self.scene.friction:
             joint = joints[rubs.name]
@@ -143,9 +149,10 @@ class MujocoModel:
         return branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
 
     def joints(self) -> dict[str, tuple[str, str, float, tuple[float, float] | None]]:
-        """Where the force on each joint's first body is read: body or equality, sign, and sole direction or None.
+        """Where the force on each joint's first body is read, by joint: body or equality, its name, sign, direction.
 
-        A slot has become the pin of its block; of a driven slider's force, the drive's share is along its guide.
+        The direction, of a force that has only one, is else None. A slot has become the pin of its block; of a driven
+        slider's force, the drive's share is along its guide.
         """
         rows: dict[str, tuple[str, str, float, tuple[float, float] | None]] = {}
         for branch in self.tree.branches:
@@ -157,7 +164,7 @@ class MujocoModel:
         return {joint.name: rows[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
 
     def xml(self, recipe: MujocoRecipe) -> Element:
-        """The scene as MuJoCo's XML."""
+        """The scene as the root element of MuJoCo's XML."""
         scene, root = self.scene, Element("mujoco")
         SubElement(root, "compiler", angle="radian")
         option = SubElement(root, "option", gravity=_plane_text(complex(*scene.gravity)), integrator=recipe.integrator)

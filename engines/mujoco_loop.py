@@ -65,7 +65,7 @@ class MujocoWorld:
         return instant, *(getattr(self.data, name).copy() for name in READ)
 
     def samples(self, rows: list[tuple[Any, ...]], channels: list[str]) -> Data:
-        """Times and values by channel, from rows that ``read`` has returned."""
+        """Times, s, and values by channel, from rows that ``read`` has returned; forces with friction not at rest."""
         time, *values = map(np.array, zip(*rows, strict=True))
         found, result = dict(zip(READ, values, strict=True)), Data()
         frames = found["sensordata"].reshape(len(time), len(self.angles), len(KINEMATICS), 3)[..., :2]
@@ -104,7 +104,7 @@ class MujocoWorld:
         raise ArithmeticError("the friction of the joints grows without end, as in a linkage that locks itself")
 
     def rub(self) -> None:
-        """Update ``rubbing``, the friction of every joint, N or N m, from the joints' present forces."""
+        """Set ``rubbing``, the friction of every joint that has it, N or N m, by the joints' present forces."""
         data = self.data
         mujoco.mj_rnePostConstraint(self.model, data)
         self.rubbing = [
@@ -113,9 +113,11 @@ class MujocoWorld:
         ]
 
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
-        """The function that MuJoCo calls at every stage to set reference acceleration and loads; None without any.
+        """The function that MuJoCo calls at every stage to set reference acceleration, torque and loads.
 
-        The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the constraints' time constant.
+        None without any. ``segment`` is the start, s, of a piece of prescribed motion and its coefficients, lowest
+        order first, None if the crank is free. The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the
+        constraints' time constant.
         """
         data, crank, given, numbers = self.data, self.crank, self.given, self.numbers
         position, velocity, pushed = data.qpos, data.qvel, np.ix_(numbers, (0, 1, 5))
@@ -147,7 +149,10 @@ class MujocoWorld:
         return control if segment or times or loaded else None
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """Step through a part and yield its samples as ``read`` returns them."""
+        """Step through a part and yield its samples, start and end included, as ``read`` returns them.
+
+        ``warnings`` are MuJoCo's so far; raises ArithmeticError for any.
+        """
         model, data, settle = self.model, self.data, self.given["settle"]
         sample = (part["end"] - part["start"]) / part["samples"]
         model.opt.timestep = sample / course["ratio"]
@@ -171,8 +176,8 @@ def load_rows(
 ) -> list[list[float]]:
     """Force x, y, N, and moment about the mass centre, N m, of loads, springs and friction on bodies and the ground.
 
-    The state is every body's mass centre, direction (of length one), velocity, complex, and angular velocity.
-    ``rubbing`` is the friction of every joint that has it, N or N m.
+    ``angle`` is φ, rad or m. The state is every body's mass centre, direction (of length one), velocity, complex, and
+    angular velocity. ``rubbing`` is the friction of every joint that has it, N or N m.
     """
     centre, direction, velocity, spin = state
     rows = [[0.0, 0.0, 0.0] for _ in centre]
@@ -226,12 +231,15 @@ def load_rows(
 
 
 def build(model: Data) -> MujocoWorld:
-    """The world of a model, in its start state."""
+    """The world of a model, in its start state; raises ArithmeticError if MuJoCo refuses it."""
     return MujocoWorld(model)
 
 
 def follow(world: MujocoWorld, course: Data) -> Data:
-    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts.
+
+    Raises ArithmeticError where MuJoCo warns or friction grows without end.
+    """
     rows: list[tuple[Any, ...]] = []
     warnings: list[str] = []
     mujoco.set_mju_user_warning(warnings.append)  # or they go to the terminal and into a file

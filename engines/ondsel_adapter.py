@@ -77,14 +77,17 @@ class OndselModel:
         self.parts.append({"mass": float(body.mass), "inertia": inertia, "pose": pose, "markers": []})
 
     def add_marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
-        """Add a marker to a body at a place, m; returns its path."""
+        """Add a marker to a body, or to the ground, at a place in the body's frame, m; returns its path."""
         number = self.numbers.get(body)  # None is the ground
         markers = self.ground if number is None else self.parts[number]["markers"]
         markers.append(((float(place[0]), float(place[1]), 0.0), axes))
         return ("" if number is None else f"part{number}/") + f"marker{len(markers) - 1}"
 
     def add_joint(self, kind: str, first: str, second: str, *, motion: str = "") -> str:
-        """Add a joint between two markers; returns its name, which is also that of its force on the first marker."""
+        """Add a joint of a ``kind`` between two markers; returns its name, also that of its force on the first marker.
+
+        ``motion`` names a motion to prescribe in it.
+        """
         if motion:
             self.motions.append((motion, len(self.joints), "rotational" if kind == "revolute" else "translational"))
         self.joints.append((kind, first, second))
@@ -125,7 +128,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """Refuse turn dampers, except one between the crank and the ground, in a sentence; else None."""
+        """The reason, in a sentence, to refuse turn dampers, except those of the crank and the ground; else None."""
         if scene.driver_kind is not DriverKind.CRANK:
             return "it takes no turn damper beside a linear drive" if scene.dampers else None
         if all({damper.first, damper.second} == {scene.crank, GROUND} for damper in scene.dampers):
@@ -185,7 +188,7 @@ def _axes_along(direction: Vector) -> Matrix:
 
 
 def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
-    """Add a driven slider, with its markers' third axes along its line; returns the joint's name."""
+    """Add a driven slider, its markers' third axes along its line, which is noted; returns the joint's name."""
     (x, y), turn = joint.along, world.angles[joint.host] - world.angles[joint.body]
     c, s = math.cos(turn), math.sin(turn)
     host = world.add_marker(joint.host, joint.through, _axes_along((y, -x)))
@@ -195,7 +198,7 @@ def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
 
 
 def _add_angle_constraint(world: OndselModel, body: str, host: str) -> None:
-    """Hold a body's angle against its host's: a direction of each stays square to the other's."""
+    """Hold a body's angle against its host's by a joint: a direction of each stays square to the other's."""
     turn = world.angles[host] - world.angles[body]
     square = world.add_marker(body, axes=_axes_along((-math.sin(turn), math.cos(turn))))
     world.add_joint("perpendicular", world.add_marker(host, axes=_axes_along((1.0, 0.0))), square)

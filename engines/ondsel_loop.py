@@ -47,7 +47,7 @@ def build(given: Data) -> tuple[AsmtModel, Data]:
 
 
 def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
-    """OndselSolver's markers at places, with axes."""
+    """Ondsel's markers at places, m, with axes, each a pair of these, numbered in their order."""
     return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
 
 
@@ -59,7 +59,10 @@ def set_pose(part: Part, x: float, y: float, angle: float) -> None:
 
 
 def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
-    """Solve all parts of a course and return its samples; at a border of parts the later part's counts."""
+    """Solve all parts of a course and return its samples; at a border of parts the later part's counts.
+
+    The model's parts are left where the course ends.
+    """
     (model, given), parts = world, course["parts"]
     samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
     forces: Data = {name: ([], []) for name in given["forces"]} if "joint_force" in course["channels"] else {}
@@ -107,7 +110,10 @@ def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
 
 
 def solve_part(model: AsmtModel, part: Data) -> Rows:
-    """Solve one part of the motion and return OndselSolver's rows of results."""
+    """Solve one part of the motion and return the rows of Ondsel's results; sets the model's motions.
+
+    Raises ArithmeticError where Ondsel gives up or solves too few frames.
+    """
     zero, crank = part["segment"]
     # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
     turned = [0.0, *(each / power for power, each in enumerate(crank, 1))]
@@ -138,7 +144,7 @@ def solve_part(model: AsmtModel, part: Data) -> Rows:
 
 @contextmanager
 def temporary_folder() -> Iterator[None]:
-    """In the block, temporary files of this process and its children go to a folder that is then deleted."""
+    """In the block, have temporary files of this process and its children in a folder that is then deleted."""
     before = os.environ.get("TMPDIR")
     with TemporaryDirectory() as folder:
         os.environ["TMPDIR"] = folder

@@ -65,7 +65,11 @@ class World:
             self.damping[np.ix_(turns, turns)] += coefficient * (2.0 * np.eye(len(turns)) - 1.0)
 
     def solve(self, target: list[Any], position: Array, velocity: Array) -> Any:  # noqa: ANN401
-        """Joint accelerations in a state; ``target`` has the crank's required acceleration and the loads."""
+        """Joint accelerations in a state; the ties' forces are then in ``forces``.
+
+        ``target`` has the crank's frame and angular acceleration, the efforts, to which dampers are added in place, and
+        forces' couples.
+        """
         self.axes[:], self.desired[2], efforts, couples = target
         if self.given["dampers"]:
             efforts -= self.damping.dot(velocity)
@@ -85,7 +89,10 @@ class World:
         }
 
     def part_states(self, part: Data, ratio: int) -> Iterator[tuple[float, Data]]:
-        """Step through a part and yield each sample: time, s, and data as from ``read``."""
+        """Step through a part and yield each sample: time, s, and data as from ``read``.
+
+        The last state becomes the world's.
+        """
         steps, settle, (start, coefficients) = part["samples"] * ratio, self.given["settle"], part["segment"]
         times, step = np.linspace(part["start"], part["end"], steps + 1, retstep=True)
         rule = np.array(RUNGE_KUTTA if settle else EULER, dtype=float)
@@ -118,7 +125,7 @@ class World:
 
 
 def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
-    """A frame at a place in the plane, m, turned by an angle, rad."""
+    """A frame of Pinocchio's at a place in the plane, m, turned by an angle, rad."""
     return pin.SE3(pin.utils.rotate("z", turn), np.array([*place, 0.0]))
 
 

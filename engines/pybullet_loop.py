@@ -43,13 +43,16 @@ class World:
         self.turn = partial(self.changeConstraint, self.ties[self.drive], **UNLIMITED)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
-        """The function of PyBullet with this name, applied to this world."""
+        """The function of PyBullet with this name, bound to this world's server."""
         function = partial(getattr(pybullet, name), physicsClientId=self.client)
         setattr(self, name, function)  # bound once, not in every step
         return function
 
     def add(self, number: int, places: Any) -> int:  # noqa: ANN401
-        """Create a body, with the blocks that slide on it as its links; returns PyBullet's number of it."""
+        """Create the body of a ``number``, with the blocks that slide on it as its links.
+
+        Returns PyBullet's number of it. ``places`` are those of all bodies, m. ``links`` notes the blocks by joint.
+        """
         bodies, (owners, arms, hosts, _) = self.given["bodies"], self.given["ends"]
         (mass, inertia), place = bodies[number], places[number]
         guides = [(n, along) for n, along in self.given["guides"].items() if hosts[n] == number]
@@ -78,7 +81,10 @@ class World:
         return int(body)
 
     def tie(self, n: int, body: int, here: list[float], host: int, there: list[float]) -> int:
-        """Create the constraint of joint ``n`` between two bodies, or a body and a block; returns PyBullet's number."""
+        """Create the constraint of joint ``n`` between two bodies, or a body and a block; returns PyBullet's number.
+
+        ``here`` and ``there`` are arms from the bodies' mass centres, m.
+        """
         kind = pybullet.JOINT_FIXED if n in self.given["fixed"] else pybullet.JOINT_POINT2POINT
         both = self.bodies[body], -1, self.bodies[host], self.links.get(n, -1)
         point = [0.0, 0.0, 0.0] if n in self.links else [*there, 0.0]
@@ -105,7 +111,7 @@ class World:
         self.stepSimulation()
 
     def state(self) -> Any:  # noqa: ANN401
-        """x, y, angle and their rates of every body but the ground, (bodies, 6)."""
+        """x, y, angle and their rates of every body but the ground, (bodies, 6); the angle is within a turn."""
         rows = []
         for body in self.bodies[:-1]:
             place, turn = self.getBasePositionAndOrientation(body)
@@ -114,7 +120,7 @@ class World:
         return np.array(rows)
 
     def forces(self) -> tuple[float, Any]:
-        """The drive's torque, and the forces on the joints' first bodies, in the last step.
+        """The drive's torque, N m, and the forces, N, (joints, 2), on the joints' first bodies, in the last step.
 
         Bullet's are those on the first body of a fixed constraint, and on the second of a point-to-point one.
         """
@@ -127,7 +133,7 @@ build = World
 
 
 def follow(world: World, course: dict[str, Any]) -> dict[str, Any]:
-    """Step through the part of a course and return its samples."""
+    """Step through the one part of a course and return its samples; the world's server is then gone."""
     (part,), ratio, given, centred, rows = course["parts"], course["ratio"], world.given, world.centred, []
     count = ratio * part["samples"]
     step, late = part["end"] / count, 0.0 if centred else 1.0

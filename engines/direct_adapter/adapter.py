@@ -89,12 +89,15 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
 
 
 def _shifted(piece: DenseOutput, offset: Array) -> Callable[[Array], Array]:
-    """A piece of the motion with whole periods of φ added."""
+    """A function of time that gives a piece of the motion with ``offset``, whole periods of φ, added."""
     return lambda time: np.asarray(piece(time) + offset)
 
 
 def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
-    """The rate of the state (φ, φ̇), for an integrator; nan outside the path."""
+    """The rate of the state (φ, φ̇) as a function of time, s, and state, for an integrator; nan outside the path.
+
+    Raises UnsolvableError where the equation of motion is not finite.
+    """
     scene, scale = equations.scene, equations.driver.scale
     table = _coefficient_table(equations, path)
     starts = np.unique(table.t)[:-1]
@@ -203,7 +206,7 @@ LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
 def integrate_motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
-    """History, and number of instants or time steps; raises UnsolvableError with the reason.
+    """History of a scene, and number of instants or time steps; raises UnsolvableError with the reason.
 
     ``spacing``, s, is the longest between samples; None takes as many as show the motion's every turn.
     """
@@ -213,7 +216,10 @@ def integrate_motion(equations: Equations, spacing: float | None) -> tuple[Histo
 
 
 def _sample_times(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
-    """Instants, s, of the samples: every ``spacing``, or as many as ``turns`` of the crank need if None."""
+    """Instants, s, from 0 to ``duration``: ``spacing`` apart or less, or as many as ``turns`` need if that is None.
+
+    Then these are ``least`` intervals or more.
+    """
     samples = max(least, round(SAMPLES_PER_TURN * turns))
     if spacing is not None:
         samples = max(LEAST_STEPS, math.ceil(duration / spacing - 1e-6))
@@ -221,7 +227,7 @@ def _sample_times(duration: float, spacing: float | None, turns: float, least: i
 
 
 def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float | None) -> tuple[History, int]:
-    """History of a driver with a prescribed motion, and the number of instants."""
+    """History of a driver with a prescribed motion, and the number of instants; raises UnsolvableError."""
     crank, scale = drive.motion, equations.driver.scale
     time = _sample_times(crank.duration, spacing, crank.duration * crank.peak_speed / FULL_TURN)
     angle = crank.angle(time) / scale
@@ -233,7 +239,7 @@ def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float |
 
 
 def _check_reach(path: Path, time: Array, angle: Array) -> None:
-    """Raise UnsolvableError with the first instant whose crank angle the path does not hold."""
+    """Raise UnsolvableError, with the instant and the end, if the path does not hold a crank angle, rad or units."""
     outside = (angle < path.low) | (angle > path.high)
     if path.turns is None and np.any(outside):
         first = int(np.argmax(outside))
@@ -259,7 +265,7 @@ def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
 
 
 def _free_motion(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
-    """History of a free driver, and the number of time steps of its integration."""
+    """History of a free driver, and the number of time steps of its integration; raises UnsolvableError."""
     scale = equations.driver.scale
     start, far = start_coordinate(equations.scene) / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL
     low, high = start - far, start + far
@@ -310,7 +316,7 @@ class DirectEngine:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Solve the scene, whatever the setting: there is nothing to tune."""
+        """Solve the scene, whatever the setting: there is nothing to tune; an error is an outcome."""
         return _run(scene, None, Cost())  # a control has no defaults to be naive with, and nothing left to extrapolate
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
@@ -318,7 +324,10 @@ class DirectEngine:
         return METHODS
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Solve the scene with samples every ``step`` seconds; raises UnknownNameError for another method."""
+        """Solve the scene with samples every ``step`` seconds; an error is an outcome.
+
+        Raises UnknownNameError for another method, LinkproofError for a wrong step.
+        """
         check_step(step)
         if method.name != METHODS[0].name:
             raise UnknownNameError("method", method.name, [METHODS[0].name])
@@ -326,14 +335,17 @@ class DirectEngine:
 
 
 def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
-    """The run of a scene, an error as its outcome; samples are ``spacing``, s, apart, or as the adapter chooses."""
+    """The run of a scene, an error as its outcome.
+
+    Samples are at most ``spacing``, s, apart, or as the adapter chooses for None.
+    """
     return run_stepping(cost, lambda: _solved_history(scene, spacing, cost))
 
 
 def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
     """Build the equations and solve the motion; samples every ``spacing`` s, or as the adapter chooses if None.
 
-    Times and work go into ``cost``.
+    Times and work go into ``cost``. Raises UnsupportedError or DivergedError with the reason.
     """
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
@@ -365,7 +377,7 @@ def _checked_equations(scene: Scene) -> Equations:
 
 
 def _degeneracy(equations: Equations) -> str | None:
-    """The sentence why the equations do not fix the motion at the start; None where they do."""
+    """The reason, as a sentence, why the equations do not fix the motion at the start; None where they do."""
     matrix = equations.jacobian(equations.arms(equations.start()))[0]
     if not np.all(np.isfinite(matrix)):
         return "the start state is not finite"

@@ -64,9 +64,9 @@ class Equations(JointEquations):
         return residual, self.jacobian(arms)
 
     def close_joints(self, pose: Pose, coordinate: Reals) -> Pose:
-        """Close all joints by Newton's method, from poses that are near; raises UnsolvableError where it does not end.
+        """The poses with all joints closed, by Newton's method from poses that are near.
 
-        ``coordinate`` (n,) is φ, rad or units.
+        ``coordinate`` (n,) is φ, rad or units. Raises UnsolvableError where the method does not settle.
         """
         before = math.inf
         for _ in range(MOST_ITERATIONS):
@@ -120,7 +120,7 @@ class Solution(NamedTuple):
 
 
 def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Channel]) -> Solution:
-    """Motion and forces at the instants, computed only as far as the channels need."""
+    """Motion and forces at the instants, SI, computed only as far as the channels need; raises UnsolvableError."""
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
     if channels <= {Channel.POSITION}:
         return Solution(metric.coordinates())
@@ -178,12 +178,15 @@ def transfer(equations: Equations, matrix: Reals) -> Reals:
 
 
 def velocity_terms(equations: Equations, arms: Arms, matrix: Reals, rate: Reals) -> Reals:
-    """Q'' φ̇² (n, bodies, 3), in units and rad: the accelerations that the rates alone cause."""
+    """Q'' φ̇², (n, bodies, 3), in units/s² and rad/s²: the accelerations that the rates ``rate`` alone cause.
+
+    ``matrix`` is G. For a rate over φ it is Q'' itself.
+    """
     return equations.spread(equations.solve(matrix, equations.bend(arms, rate)))
 
 
 def history(time: Array, blocks: Sequence[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
-    """The requested channels as signals, from consecutive blocks of instants."""
+    """The requested channels as signals over ``time``, s, from consecutive blocks of instants; ``joints`` are names."""
     whole = {channel: np.concatenate([getattr(block, channel.value) for block in blocks]) for channel in channels}
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
@@ -240,7 +243,7 @@ class Path:
 def reach(equations: Equations, low: float, high: float) -> Path:
     """The path that holds φ from ``low`` to ``high``, between which the start state lies, or as much as can be reached.
 
-    Of a path that shuts after a full turn, one turn.
+    Of a path that shuts after a full turn, one turn. φ is in rad or units.
     """
     at_start = equations.start()
     start = float(equations.driven(at_start, equations.arms(at_start))[0])
@@ -262,9 +265,9 @@ def reach(equations: Equations, low: float, high: float) -> Path:
 
 
 def _follow_path(equations: Equations, start: float, end: float) -> tuple[float, Callable[[Reals], Reals]]:
-    """φ up to which the path can be followed towards ``end`` in its assembly mode, and the coordinates' gain (n, k).
+    """φ up to which the path can be followed towards ``end`` in its assembly mode, and the coordinates' gain.
 
-    The gain is a function of φ (n,).
+    The gain is a function of φ (n,), with values (n, k), k free coordinates.
     """
     unit, pull = equations.crank_unit(1), PULL if end > start else -PULL
     most = equations.solves + EVALUATIONS * (1.0 + abs(end - start) / FULL_TURN)

@@ -97,7 +97,7 @@ class ExudynModel:
         }
 
     def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, str, Any] | None = None) -> int:
-        """Add an item to its category; returns its number there."""
+        """Add an item to its category; returns its number there; ``law`` says what of it is a function."""
         self.items.append((category, kind, data, law))
         self.counts[category] += 1
         return self.counts[category] - 1
@@ -107,19 +107,19 @@ class ExudynModel:
         return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
     def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
-        """Add an object; returns its number."""
+        """Add an object with its ``data`` as exudyn has them; returns its number."""
         return self._add_item("Object", kind, data, law)
 
     def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
-        """Add a marker; returns its number."""
+        """Add a marker with its ``data`` as exudyn has them; returns its number."""
         return self._add_item("Marker", kind, data)
 
     def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
-        """Add a load at a marker; a ``law`` makes it vary."""
+        """Add a load at a marker, with its ``data`` as exudyn has them; a ``law`` makes it vary."""
         self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
     def _angle_marker(self, body: str) -> int:
-        """Add a marker of a body's angle, or of the ground's; returns its number."""
+        """The number of a marker of a body's angle, which is added, or of the ground's, which is there."""
         if body == GROUND:
             return self.fixed
         return self._add_marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
@@ -141,12 +141,15 @@ class ExudynModel:
             self._add_load("MassProportional", marker, loadVector=[*self.scene.gravity, 0.0])
 
     def _add_pin(self, pin: PinJoint) -> None:
-        """Add a revolute joint; exudyn reports the force on its first marker's body, in the ground frame."""
+        """Add a revolute joint and note it.
+
+        Exudyn reports the force on its first marker's body, in the ground frame.
+        """
         markers = [self._point_marker(pin.first, pin.first_anchor), self._point_marker(pin.second, pin.second_anchor)]
         self.joints[pin.name] = self._add_object("JointRevolute2D", markerNumbers=markers), None
 
     def _add_line(self, joint: GuidedJoint) -> None:
-        """Add exudyn's prismatic joint; a pin in a slot is one without its condition on the angle."""
+        """Add exudyn's prismatic joint and note it; a pin in a slot is one without its condition on the angle."""
         turned = self.angles[joint.host] - self.angles[joint.body]
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
         item = self._add_object(
@@ -172,7 +175,7 @@ class ExudynModel:
                 self._add_load(kind, marker, load=values[0])
 
     def _add_springs(self) -> None:
-        """Add the springs between points and the dampers between bodies."""
+        """Add the springs between points, with their dashpots, and the dampers between bodies."""
         for spring in self.scene.springs:
             ends = [
                 self._point_marker(spring.first, spring.first_anchor),
@@ -190,7 +193,7 @@ class ExudynModel:
             self._add_object("ConnectorCoordinateSpringDamper", markerNumbers=ends, damping=damper.coefficient)
 
     def _add_drive(self) -> None:
-        """Add the drive: the item that holds a prescribed driver, or a free one's torque or force."""
+        """Add the drive: an object, noted as ``driver``, that holds a prescribed driver, or a load on a free one."""
         scene, drive = self.scene, self.scene.drive
         turns = scene.driver_kind is DriverKind.CRANK
         if isinstance(drive, Prescribed):
@@ -220,7 +223,11 @@ class ExudynModel:
 
 
 def add_sensors(model: ExudynModel) -> dict[str, Any]:
-    """Add sensors for the scene's channels to a model; returns the sensors' numbers by channel."""
+    """Add sensors for the scene's channels to a model; returns their numbers as plain data for the loop.
+
+    ``motion_sensors`` has them by channel and body, ``force_sensors`` by joint, with what turns the force into the
+    ground frame; ``sensors`` is how many there are.
+    """
     channels = model.scene.channels
     motion = {
         channel: [model.add_sensor("Node", output, nodeNumber=node) for node in model.nodes.values()]

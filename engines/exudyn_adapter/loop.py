@@ -69,13 +69,13 @@ class LinearDriver:
         return length, gradient
 
     def reached(self, mbs: Any) -> float:  # noqa: ANN401
-        """φ at the present instant, m."""
+        """φ, m, of the system ``mbs`` at its present instant."""
         nodes, kind = [node for node, _ in self.ends if node is not None], exudyn.OutputVariableType.Coordinates
         places = [mbs.GetNodeOutput(node, kind) + mbs.GetNode(node)["referenceCoordinates"] for node in nodes]
         return self.span(np.concatenate(places).tolist())[0]
 
     def functions(self) -> Data:
-        """Two functions for exudyn: the constraint, on position or velocity level, and its Jacobian."""
+        """The arguments that hold functions of exudyn's object: the constraint, on either level, and its Jacobian."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
             """The error of φ, m, or of its rate, m/s, at time ``t``, in the form that exudyn calls."""
@@ -116,7 +116,7 @@ class ExudynWorld:
             )
 
     def phi(self, time: float, order: int = 0) -> float:
-        """φ or its rate at any time of a prescribed motion."""
+        """φ, rad or m, or its derivative of an ``order``, at any time, s, of a prescribed motion."""
         motion = self.given["motion"]
         start, _, coefficients = next((each for each in motion if time <= each[1]), motion[-1])
         return float(polynomial(coefficients, time - start, order))
@@ -141,7 +141,7 @@ class ExudynWorld:
         return {name: load}
 
     def angle(self, mbs: Any, t: float) -> float:  # noqa: ANN401
-        """φ at exudyn's time ``t``, s: of the drive's motion if it is prescribed, else of the crank's coordinate."""
+        """φ, rad or m, at exudyn's time ``t``, s: by a prescribed motion, else by the coordinates of ``mbs``."""
         if self.given["motion"]:
             return self.phi(self.begin + t)
         if self.linear:
@@ -165,9 +165,9 @@ class ExudynWorld:
         return float(self.given["start"] + self.unwound[self.given["crank"], ANGLE])
 
     def set_drive(self, part: Data) -> None:
-        """Give the solver the crank's angle and speed as its own functions of the time since the start of a part.
+        """Make the drive follow a part's polynomial, as exudyn's own functions of the time since the part's start.
 
-        Python functions take a third more time.
+        Python functions take a third more time; a linear driver has these.
         """
         self.begin, (zero, coefficients) = part["start"], part["segment"]
         shifted = [float(polynomial(coefficients, self.begin - zero, n)) for n in range(len(coefficients))]
@@ -185,7 +185,7 @@ class ExudynWorld:
             self.mbs.SetObjectParameter(self.driver, name, function)
 
     def hold_drive(self, angle: float) -> None:
-        """Keep the crank at an angle, rad, or a linear driver at a travel."""
+        """Hold the crank at an angle, rad, or a linear driver at a travel, m, for static solves."""
         if self.linear:
             self.linear.travel = lambda _time, _order: angle
             return
@@ -221,7 +221,10 @@ def set_initial(world: ExudynWorld, *state: Array) -> None:
 
 
 def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> tuple[Array, ...] | None:
-    """Coordinates and two time derivatives at the start of a part that fit the joints; None if far from ``reached``."""
+    """Coordinates and two time derivatives at the start of a part that fit the joints; None if far from ``reached``.
+
+    None, too, where the static solver finds none. The drive is left held.
+    """
     zero, coefficients = part["segment"]
     angle, speed, second = (float(polynomial(coefficients, part["start"] - zero, order)) for order in range(3))
     try:
@@ -242,7 +245,7 @@ def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> 
 
 
 def simulation_settings(values: Data) -> Any:  # noqa: ANN401
-    """Settings of exudyn from their values by dotted name."""
+    """A new object of exudyn's settings from their values by dotted name."""
     settings = exudyn.SimulationSettings()
     for path, value in values.items():
         *groups, name = path.split(".")
@@ -252,7 +255,10 @@ def simulation_settings(values: Data) -> Any:  # noqa: ANN401
 
 
 def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
-    """Coordinates of exudyn at a crank angle, rad, found from a guess; raises ExudynError where there are none."""
+    """Coordinates of exudyn at φ, rad or m, found from a guess by the static solver; the drive is left held there.
+
+    Raises ExudynError where there are none.
+    """
     world.hold_drive(angle)
     set_initial(world, guess)
     world.mbs.SolveStatic(simulation_settings(world.given["static_settings"]))
@@ -260,7 +266,10 @@ def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
 
 
 def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None:
-    """Set the drive and the start state of a part: the scene's in the ``first``, else one near the state reached."""
+    """Set the drive and the start state of a part: the scene's in the ``first``, else one near the state reached.
+
+    ``details`` counts the fresh starts, and those that were left out.
+    """
     state, data = tuple(map(np.array, world.given["states"])), world.mbs.systemData
     if not first:
         ended = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
@@ -276,7 +285,10 @@ def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None
 
 
 def solve(world: ExudynWorld, part: Data, course: Data) -> None:
-    """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number."""
+    """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number.
+
+    Adds Newton's steps to the course's ``solver_work``.
+    """
     mbs, solver, duration = world.mbs, exudyn.MainSolverImplicitSecondOrder(), part["end"] - part["start"]
     times = {"timeIntegration.endTime": duration, "timeIntegration.numberOfSteps": part["samples"] * course["ratio"]}
     times["solution.sensors.writePeriod"] = duration / part["samples"]
@@ -294,7 +306,7 @@ def solve(world: ExudynWorld, part: Data, course: Data) -> None:
 
 
 def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tuple[str, str | None, Array, Array]]:
-    """The samples of the latest solve that are exudyn's own: channel, joint, times and values.
+    """Yield the samples of the latest solve that are exudyn's own: channel, joint, times, s, and values.
 
     Of the state it started from they are only the run's first. The multipliers belong to a step, not to a state: loads
     have no sample at the start. Nor have accelerations where those of the scene were given to start from. Both have
@@ -324,7 +336,7 @@ def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tupl
 
 
 def follow(world: ExudynWorld, course: Data) -> Data:
-    """Step through all parts of a course and return its samples."""
+    """Step through all parts of a course and return its samples by channel, SI or own units; the system is released."""
     signals: dict[tuple[str, str | None], list[tuple[Array, Array]]] = {}
     parts, prints = course["parts"], exudyn.config.printToConsole
     exudyn.config.printToConsole = False

@@ -93,7 +93,7 @@ class JointEquations:
         self._template = self._constant_entries()
 
     def _numbers(self, names: list[str]) -> Numbers:
-        """Numbers of bodies, given by their names."""
+        """Numbers of the bodies with these names, as an array."""
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
@@ -107,7 +107,7 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        """Set the row numbers of pins, lines, fixed angles and driver, and the driver's body and column."""
+        """Set the row numbers of pins, lines, kept angles and driver, and the driver's body and column."""
         turning = [pair for pair in self.geared if any(map(self._can_turn, pair))]
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])
@@ -147,7 +147,7 @@ class JointEquations:
         return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
 
     def residual(self, pose: Pose, arms: Arms) -> Reals:
-        """The residual Φ of the equations, (n, rows), in units.
+        """The residual Φ of the equations, (n, rows): lengths in units, angles by their sine.
 
         The driver's row is 0, since poses are made with the driver where the drive has it (``driven``).
         """
@@ -203,7 +203,10 @@ class JointEquations:
         return result
 
     def openings(self, residual: Reals) -> Reals:
-        """Gap of each joint's point, (n, joints), from a residual or its time derivative; turning does not count."""
+        """Opening of each joint's point, (n, joints), never negative, from a residual or its time derivative.
+
+        It is in the residual's unit; a slider's turning does not count.
+        """
         pins = np.hypot(residual[:, self.x_rows], residual[:, self.y_rows])
         return np.concatenate([pins, np.abs(residual[:, self.line_rows])], axis=1)
 
@@ -220,19 +223,19 @@ class JointEquations:
         return self.gather(loads / np.array([1.0, 1.0, self.unit]))
 
     def crank_unit(self, count: int) -> Reals:
-        """The unit vector e of the crank's row for each instant, (count, rows)."""
+        """The unit vector e of the crank's row for each of ``count`` instants, (count, rows)."""
         result = np.zeros((count, self.rows))
         result[:, self.crank_row] = 1.0
         return result
 
     def spread(self, coordinates: Reals) -> Reals:
-        """Coordinates (n, k) as (n, bodies, 3), 0 where fixed."""
+        """Values (n, k) of the free coordinates as (n, bodies, 3), 0 where a body is fixed."""
         result = np.zeros((len(coordinates), len(self.column) * 3), dtype=coordinates.dtype)
         result[:, self.free] = coordinates
         return result.reshape(len(coordinates), -1, 3)
 
     def gather(self, bodies: Reals) -> Reals:
-        """Entries (n, bodies, 3) of the free coordinates, (n, k)."""
+        """Those entries of (n, bodies, 3) that belong to free coordinates, (n, k)."""
         return bodies.reshape(len(bodies), -1)[:, self.free]
 
     def start(self) -> Pose:
@@ -241,7 +244,7 @@ class JointEquations:
 
 
 def scene_size(scene: Scene) -> float:
-    """Largest distance, m, of a pin from the mass centre of its body: the scale for gaps."""
+    """Largest distance, m, of a pin from the mass centre of its body, the scale for gaps; 1 without any."""
     anchors = [pin.first_anchor for pin in scene.pins]
     anchors += [pin.second_anchor for pin in scene.pins if pin.second != GROUND]
     return max((math.hypot(*anchor) for anchor in anchors), default=0.0) or 1.0
@@ -287,7 +290,7 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
 
 
 def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Reals]:
-    """For each component of a force, the loads of a unit of it on the bodies, (n, bodies, 3)."""
+    """Yield for each component of a force the loads of a unit of it on the bodies, (n, bodies, 3)."""
     for unit in np.eye(2):
         lever = np.zeros((*pose.place.shape[:2], 3), dtype=pose.place.dtype)
         _add_applied_force(lever, scene, applied, pose, unit[:, None])
@@ -307,7 +310,10 @@ def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: 
 
 
 def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multipliers: Reals) -> Reals:
-    """Friction's loads on the bodies, N and N m, (n, bodies, 3), for multipliers λ, N; lengths are in units."""
+    """Friction's loads on the bodies, N and N m, (n, bodies, 3), for multipliers λ, N, and rates ``rate``.
+
+    Lengths are in the equations' unit.
+    """
     result = np.zeros_like(rate)
     forces = equations.joint_forces(arms, multipliers)
     sizes = np.hypot(forces[..., 0], forces[..., 1])
@@ -337,7 +343,7 @@ def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
 
 
 def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Reals) -> Reals:
-    """Components of a load's law, N or N m, at φ or S, (k, n)."""
+    """Components of a load's law, N or N m, at φ, rad or m, or S, (k, n); 0 where the load does not act."""
     if law.over == "phi" and law.when is None:
         return law(crank_angle)
     travel, speed = output_travel(scene, pose, rate)
@@ -346,7 +352,7 @@ def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Re
 
 
 def _turned_from(coil: TurnSpring, numbers: dict[str, int], pose: Pose) -> Reals:
-    """Angle, rad, (n,), of a torsion spring's bodies to each other less the free angle, within half a turn."""
+    """Angle, rad, (n,), of a torsion spring's first body against its second less the free angle, within half a turn."""
     turned = pose.angle[:, numbers[coil.first]] - pose.angle[:, numbers[coil.second]] - coil.angle
     return np.asarray(np.pi - np.mod(np.pi - turned, 2.0 * np.pi))
 
@@ -365,7 +371,7 @@ def potential_energy(scene: Scene, pose: Pose) -> Reals:
 
 
 def without_potential(scene: Scene) -> Scene:
-    """The scene without gravity and springs: its loads left do work that no energy stores."""
+    """A copy of the scene without gravity and springs: its loads left do work that no energy stores."""
     springs = tuple(replace(spring, stiffness=0.0) for spring in scene.springs if spring.damping)
     return replace(scene, gravity=(0.0, 0.0), springs=springs, turn_springs=())
 

@@ -59,7 +59,7 @@ class SpanningTree:
 
     @property
     def obstacle(self) -> str | None:
-        """The reason, in words, why a tree of pins and sliders cannot hold this one; None if it can."""
+        """The reason, in words, why an engine of pins and sliders cannot use this tree; None if it can."""
         loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
         if loose is not None:
             return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
@@ -72,13 +72,13 @@ class SpanningTree:
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
-        """Names of the bodies from the ground to this one that turn against their carriers."""
+        """Names of this body and of those that carry it which turn against their carriers."""
         chain = self._chain(name)
         turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
         return turning & set(chain)
 
     def _chain(self, name: str) -> list[str]:
-        """Names of a body and of those that carry it, down to the ground."""
+        """Names of a body and of those that carry it, down to the ground, which is included."""
         parents = {branch.body.name: branch.parent for branch in self.branches}
         chain = [name]
         while chain[-1] != GROUND:
@@ -89,7 +89,8 @@ class SpanningTree:
 def spanning_tree(scene: Scene) -> SpanningTree:
     """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground.
 
-    A driven body that slides on another (a cylinder's rod) is on that, and not on its pin.
+    A driven body that slides on another (a cylinder's rod) is on that, and not on its pin. A body that no pin or slider
+    reaches hangs on the ground without a joint.
     """
     bodies = {body.name: body for body in scene.bodies}
     carried = {GROUND: AT_REST}  # as they start, a rigid body with its parent's speed
@@ -98,7 +99,7 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
 
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
-        """The sort key by which joints become branches: smaller first."""
+        """The sort key by which open joints become branches: smaller first."""
         ends = _joined_bodies(joint)
         pinned = isinstance(joint, PinJoint)
         misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
@@ -124,9 +125,9 @@ def spanning_tree(scene: Scene) -> SpanningTree:
 
 
 def slots_as_blocks(scene: Scene, mass: float) -> Scene:
-    """The scene with a block in every slot, for engines that have no constraint between a point and a line.
+    """A copy of the scene with a block in every slot, for engines without a constraint of point and line.
 
-    A block of the given mass slides in the slot's host and is pinned to its body; the pin has the slot's name. Its
+    A block of ``mass``, kg, slides in the slot's host and is pinned to its body; the pin has the slot's name. Its
     acceleration at the start, which no engine asks for, is not set.
     """
     bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
@@ -193,10 +194,10 @@ BARREL, ROD = "/barrel", "/rod"  # names that no body and no joint of a scene ha
 
 
 def cylinder_as_links(scene: Scene, mass: float) -> Scene:
-    """The scene with a cylinder's barrel on its second end and its rod, the new ``crank``, on its first.
+    """A copy of the scene with a cylinder's barrel on its second end and its rod, the new ``crank``, on its first.
 
-    Each has the given mass at its pin, and turns; the slider ROD between them has the cylinder's length as its travel.
-    A scene without a cylinder comes back as it is.
+    Each has the given mass, kg, at its pin, and turns; the slider ROD between them has the cylinder's length as its
+    travel. The ends are exchanged if the first is on the ground. A scene without a cylinder comes back as it is.
     """
     ends = scene.cylinder
     if ends is None:

@@ -36,7 +36,7 @@ class Misfit:
 
 
 def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
-    """Each joint's violation in position and, where given, velocity and acceleration, each (1, bodies, 3), SI.
+    """Yield each joint's violation in position and, where given, velocity and acceleration, each (1, bodies, 3), SI.
 
     The ground is the last body. A slider's turning against its host counts from the velocity on, as its angle is
     whatever it was at the start.
@@ -60,7 +60,10 @@ def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
 
 
 def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
-    """The sentence on the joint that the start state fits worst, or on a crank off its drive; None if all fit."""
+    """The sentence on the joint that the start state fits worst, or on a crank off its drive; None if all fit.
+
+    ``tolerance`` is relative: to the scene's size, the fastest and the hardest motion of a body.
+    """
     if isinstance(scene.drive, Prescribed):
         segment = scene.drive.motion.segments[0]
         prescribed = [float(segment.value(segment.start, order)) for order in range(3)]
@@ -85,7 +88,7 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
 
 
 def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
-    """The sentence on the first part of a scene beyond an engine's abilities; None if there is none."""
+    """The first part of a scene that is beyond an engine's abilities, in a sentence; None if there is none."""
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_type_in_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
@@ -104,7 +107,7 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
 
 
 def _load_obstacles(load: object, law: Law, abilities: Abilities) -> Iterator[str]:
-    """Reasons why a force or a torque is beyond an engine's abilities, in sentences."""
+    """Yield reasons, in sentences, why a force or a torque is beyond an engine's abilities."""
     if not law.is_constant and not abilities.varying_loads:
         yield f"it takes no load that changes with the crank angle, as {_label(load)} does"
     if abilities.load_states:
@@ -126,7 +129,7 @@ def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
 
 
 def _data_faults(scene: Scene, least: float) -> Iterator[str]:
-    """Sentences on faults of a scene's data; masses and inertias must be at least ``least``."""
+    """Yield sentences on faults of a scene's data; masses and inertias must be at least ``least``."""
     names = [body.name for body in scene.bodies]
     known = {GROUND, *names}
     if len(known) != len(names) + 1:
@@ -158,7 +161,7 @@ def _data_faults(scene: Scene, least: float) -> Iterator[str]:
 
 
 def _weight_faults(body: Body, least: float) -> Iterator[str]:
-    """Sentences on faults of a body's mass and inertia, which must be at least ``least``."""
+    """Yield sentences on faults of a body's mass and inertia, which must be at least ``least``."""
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
             if value == 0.0:
@@ -168,7 +171,7 @@ def _weight_faults(body: Body, least: float) -> Iterator[str]:
 
 
 def _value_faults(scene: Scene) -> Iterator[str]:
-    """Sentences on finite numbers that are too large or too small for an engine."""
+    """Yield sentences on values that no engine can take: gravity, negative springs and dampers, no duration."""
     if not all(abs(component) < LARGEST for component in scene.gravity):
         yield "gravity is not finite"
     for spring in scene.springs:
@@ -202,5 +205,5 @@ def _label(part: object) -> str:
 
 
 def _type_in_words(part: object) -> str:
-    """The type of a part in words: "pin joint"."""
+    """The type of a part in words, as in "pin joint"."""
     return "".join(f" {c.lower()}" if c.isupper() else c for c in type(part).__name__).strip()

@@ -32,7 +32,7 @@ class Pose:
     sine: Reals
 
     def moved(self, step: Reals) -> Pose:
-        """The pose after a small step, (n, bodies, 3), of x, y and angle."""
+        """The pose after a small step, (n, bodies, 3), of x, y and angle, as a new one."""
         turn = step[..., 2]
         c, s = np.cos(turn), np.sin(turn)
         return Pose(
@@ -43,7 +43,7 @@ class Pose:
         )
 
     def scaled(self, factor: float) -> Pose:
-        """The pose with its lengths times a factor, in another unit."""
+        """A copy of the pose with its lengths times a factor, for another unit."""
         return Pose(self.place * factor, self.angle, self.cosine, self.sine)
 
     def coordinates(self) -> Reals:
@@ -101,7 +101,7 @@ def body_masses(scene: Scene) -> Reals:
 
 
 def across(vectors: Reals) -> Reals:
-    """Vectors turned by a right angle, counter-clockwise."""
+    """Vectors, (..., 2), turned by a right angle, counter-clockwise."""
     result = np.empty_like(vectors)  # np.stack would cost a single instant several times as much
     np.negative(vectors[..., 1], out=result[..., 0])
     result[..., 1] = vectors[..., 0]
@@ -168,7 +168,7 @@ class Driver:
         self.line = np.array(scene.driven_slider.along) if self.kind is DriverKind.SLIDER else None
 
     def span(self, pose: Pose) -> Span | None:
-        """The two ends of a linear driver at a pose, with their bodies; None for a crank."""
+        """The two ends of a linear driver at a pose, and the vector between them; None for a crank."""
         if self.turns:
             return None
         arms = pose.turned(self.anchors, self.ends)
@@ -185,7 +185,7 @@ class Driver:
         return pose.angle[:, self.crank] if span is None else span.length
 
     def gradient(self, span: Span | None, count: int) -> Reals:
-        """The gradient of φ over every body's x, y and angle, (n, bodies, 3)."""
+        """The gradient of φ over every body's x, y and angle, (n, bodies, 3), n being ``count``."""
         result = np.zeros((count, self.count, 3), dtype=float if span is None else span.between.dtype)
         if span is None:
             result[:, self.crank, 2] = 1.0
@@ -215,7 +215,7 @@ def start_coordinate(scene: Scene) -> float:
 
 
 def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
-    """φ, rad or m, and its time derivatives, from motions of the bodies, SI, each (n, bodies, 3)."""
+    """φ, rad or m, and its time derivatives, each (n,), from motions of the bodies, SI, each (n, bodies, 3)."""
     driver, pose = Driver(scene), pose_of(position)
     span = driver.span(pose)
     gradient = driver.gradient(span, len(position))

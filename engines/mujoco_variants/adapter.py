@@ -34,7 +34,7 @@ MJX_UNSEEN = (
 
 
 def expected(mutants: Iterable[str]) -> dict[str, str]:
-    """Checks of the conformance test that a variant fails, each with its reason."""
+    """The checks of the conformance test for these mutants, by name, each with the reason why it fails."""
     return {f"mutant: {name}": "it changes less than this engine's error" for name in mutants}
 
 

@@ -40,13 +40,16 @@ class ClockedWorld(MujocoWorld, ABC):
         """Copy the state named in ``SET`` from C MuJoCo; if ``settled``, compute its forces and copy them back."""
 
     def fill(self, values: Data, forces: Array) -> None:
-        """Copy values by name, and the constraints' forces in C MuJoCo's order, into C MuJoCo's data."""
+        """Copy ``values`` by name, and the constraints' forces in C MuJoCo's order, into C MuJoCo's data."""
         for name in READ[:-1]:
             getattr(self.data, name)[:] = values[name]
         self.data.efc_force[:] = forces
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """Step through a part and yield its samples as ``read`` returns them."""
+        """Step through a part and yield its samples as ``read`` returns them; ``warnings`` are left alone.
+
+        Names the device in the course's ``details``.
+        """
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)
         step = sample / ratio

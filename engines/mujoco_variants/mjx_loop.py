@@ -13,10 +13,13 @@ __all__ = ["build", "follow"]
 
 
 def after_steps(model: mjx.Model, state: mjx.Data, motion: jax.Array) -> mjx.Data:
-    """The state after one step by each row of the clock's motion."""
+    """The state after one step by each row of ``motion``: the clock's angle, rad, speed, rad/s, and torque, N m."""
 
     def step(state: mjx.Data, row: jax.Array) -> tuple[mjx.Data, None]:
-        """Set the clock by a row of its motion and take one step, in the form of ``jax.lax.scan``."""
+        """Set the clock by a row of its motion and take one step, in the form of ``jax.lax.scan``: the state and None.
+
+        The clock is the body that leads the crank; a row has its angle, rad, speed, rad/s, and torque, N m.
+        """
         clock = {name: getattr(state, name).at[-1].set(value) for name, value in zip(SET[:3], row, strict=True)}
         after = mjx.step(model, state.replace(**clock))
         # In double precision MJX 3.17 makes an integer of tendons longer, which a scan does not take.
@@ -53,7 +56,7 @@ class MjxWorld(ClockedWorld):
         self.other = mjx.put_model(self.model)
 
     def advance(self, motion: Array) -> None:
-        """Take a step of MJX for each row of the clock's motion; then fill C MuJoCo's data."""
+        """Take a step of MJX for each row of the clock's motion, angle, speed and torque; then fill C MuJoCo's data."""
         self.state = stepped(self.other, self.state, motion)
         self.fetch()
 

@@ -31,7 +31,10 @@ class WarpWorld(ClockedWorld):
             self.other.callback.control = mujoco_warp.make_constraint
 
     def advance(self, motion: Array) -> None:
-        """Take a step of Warp for each row of the clock's motion; then fill C MuJoCo's data."""
+        """Take a step of Warp for each row of the clock's motion, angle, speed and torque.
+
+        Then fill C MuJoCo's data.
+        """
         for row in motion:
             for name, value in zip(SET, row, strict=False):
                 values = getattr(self.state, name).numpy()

@@ -38,7 +38,7 @@ BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end 
 
 
 def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
-    """The data of pymunk's space for a scene's layout, except the solver's iterations."""
+    """The data of pymunk's space for a scene's layout, except the solver's iterations; ``centred`` as in the recipe."""
     parts, size = layout.scene, reach(scene)
     numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(parts.bodies)}}
     _, speed, gain = (float(value[0]) for value in driven(scene, *start_motion(scene)))
@@ -85,8 +85,8 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
 def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]:
     """The drive's data: its motion, or its torque over time; ``line`` has the ends of a linear driver.
 
-    A slider's far end is a point of the ground on its own line, behind all that it can reach: ``base`` farther than
-    its travel.
+    ``numbers`` are the bodies', ``size`` is the scene's reach, m. A slider's far end is a point of the ground on its
+    own line, behind all that it can reach: ``base`` farther than its travel.
     """
     drive, line, base = scene.drive, None, 0.0
     if scene.driver_kind is not DriverKind.CRANK:
@@ -106,10 +106,10 @@ def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]
 
 
 def torque_bound(scene: Scene, size: float) -> float:
-    """A torque, N m, well above any that a prescribed drive can need: all mass at the scene's size, at its peak.
+    """A torque, N m, well above any that a prescribed drive can need; 0 for a free one.
 
-    A motor works against it, which keeps the sign of what it exerts. Of a linear drive it is a force, N, at a lever of
-    a hundredth of that size.
+    It is that of all mass at the scene's ``size``, m, at its peak. A motor works against it, which keeps the sign of
+    what it exerts. Of a linear drive it is a force, N, at a lever of a hundredth of that size.
     """
     if not isinstance(scene.drive, Prescribed):
         return 0.0
@@ -149,11 +149,11 @@ LARGEST_REMAINDER = 0.3
 
 
 def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
-    """Iterations a step, ``FEWEST`` to ``MOST``, for a remaining error of an impulse.
+    """Iterations a step, ``FEWEST`` to ``MOST``, for a share ``remaining`` of an impulse's change.
 
-    The error is a share of the impulse's change over the step. Above ``ENOUGH`` iterations only ``LARGEST_REMAINDER``
-    is aimed at. A crank that turns fully has them at ``POSES`` even angles, each enough for its neighbours, too; any
-    other driver has one number, that of the pose that converges slowest.
+    Above ``ENOUGH`` iterations only ``LARGEST_REMAINDER`` is aimed at. A crank that turns fully has them at ``POSES``
+    even angles, each enough for its neighbours, too; any other driver has one number, that of the pose that converges
+    slowest.
     """
     with np.errstate(all="ignore"):
         factors = np.array([contraction(layout, pose) for pose in poses_of(layout.equations)])
@@ -166,7 +166,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
 
 
 def driver_travel(scene: Scene) -> float:
-    """Distance from the driver's start to its farther side, rad or m; of a crank a full turn at most."""
+    """Signed distance from the driver's start to its farther side, rad or m; of a crank a full turn at most."""
     if isinstance(scene.drive, Free):
         return FULL_TURN
     farthest = max((end - start_coordinate(scene) for end in scene.drive.motion.reach), key=abs)
@@ -200,7 +200,7 @@ def contraction(layout: PartLayout, pose: Pose) -> float:
     """Factor by which one iteration of pymunk's solver shrinks its error in the long run, at one pose.
 
     The solver is a block Gauss-Seidel iteration on A = G M⁻¹ Gᵀ, constraint by constraint: pins, grooves, gears, motor.
-    This is the spectral radius of its iteration matrix.
+    This is the spectral radius of its iteration matrix; 1 where that cannot be had.
     """
     equations = layout.equations
     rows = equations.jacobian(equations.arms(pose))[0]

@@ -113,7 +113,7 @@ def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyP
 
 
 def split_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
-    """Cut off a part that can turn, with its centre at ``centre``; returns the rest and the part, a rail."""
+    """Cut off a part that can turn, a rail, with its centre at ``centre``; returns the rest and the rail."""
     assert part.inertia is not None
     share = part.inertia / 4.0
     rest, point = split_point_mass(replace(part, inertia=part.inertia - share), centre)
@@ -121,12 +121,12 @@ def split_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
 
 
 def plain_layout(scene: Scene) -> PartLayout:
-    """One part per body and one constraint per joint, as a newcomer would write it."""
+    """The layout of one part per body and one constraint per joint, as a newcomer would write it."""
     return _layout_of_parts(scene, _uncut_parts(scene))
 
 
 def exact_layout(scene: Scene) -> PartLayout:
-    """The parts of the scene, cut so that every groove is exact."""
+    """The layout of the scene cut into parts so that every groove is exact."""
     parts, shoes, rails = _uncut_parts(scene), dict[str, str](), dict[str, str]()
     lifts, resting = list[PointSpring](), RESTING * sum(body.mass for body in scene.bodies)
     gravity, height = math.hypot(*scene.gravity), reach(scene)
@@ -169,7 +169,10 @@ def _uncut_parts(scene: Scene) -> dict[str, BodyPart]:
 def _layout_of_parts(
     scene: Scene, parts: dict[str, BodyPart], shoes: Mapping[str, str] = {}, rails: Mapping[str, str] = {}
 ) -> PartLayout:
-    """The parts as a scene, in the positions their owners start in, with anchors from the parts' own centres."""
+    """The parts as a scene, in the positions their owners start in, with anchors from the parts' own centres.
+
+    ``shoes`` and ``rails`` name the parts that stand for a joint's body and host, by joint.
+    """
 
     def place(name: str, anchor: Vector) -> Vector:
         """A point of a body, or of the ground, from the mass centre of the body's part."""

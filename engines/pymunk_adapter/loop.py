@@ -44,7 +44,7 @@ def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:
 
 
 def is_steady_torque(law: Any) -> bool:  # noqa: ANN401
-    """Whether a load is a torque that does not change."""
+    """Whether a load's law is a torque that does not change."""
     return isinstance(law, list) and len(law) == 1
 
 
@@ -111,7 +111,7 @@ class PymunkWorld:
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
-        """Create the constraint that prescribes the driver."""
+        """Create the constraint that prescribes the driver, a motor or a pin joint, and return it."""
         if self.line is None:
             return pymunk.SimpleMotor(self.space.static_body, self.crank, 0.0)
         (first, here), (second, there) = self.line.ends
@@ -124,14 +124,17 @@ class PymunkWorld:
         return float(self.crank.angle + ahead * self.crank.angular_velocity)
 
     def iterations(self) -> int:
-        """Iterations of pymunk's solver in the next step, by the driver's place."""
+        """Iterations of pymunk's solver in the next step, by the driver's place.
+
+        Raises ArithmeticError if that is not finite.
+        """
         travelled = self.travel(0.0) - self.given["start"]
         if not math.isfinite(travelled):
             raise ArithmeticError("the driver's position is not finite")
         return int(self.counts[round(travelled / self.given["apart"]) % len(self.counts)])
 
     def load(self, number: int, anchor: Point, law: Any) -> Load:  # noqa: ANN401
-        """A function that adds a force at an anchor, or a torque, over φ or constant, before each step."""
+        """A function that adds a force at an anchor, or a torque, of a ``law`` over φ or constant, before each step."""
         body = self.ends[number]
 
         def add(ahead: float) -> None:
@@ -156,7 +159,7 @@ class PymunkWorld:
         return motor
 
     def driver_load(self, times: Array) -> Load:
-        """A function that adds the load on a free driver before each step, at these times, s."""
+        """A function that adds the load on a free driver, and any offset, before each step, at these times, s."""
         torque, over_time = self.given["push"]
         crank, line = self.crank, self.line
         values = np.full(len(times), torque + self.given["offset"])
@@ -174,7 +177,7 @@ class PymunkWorld:
         return add
 
     def damper(self, first: pymunk.Body, second: pymunk.Body, coefficient: float) -> Load:
-        """A function that adds a torque, N m, against the bodies' relative rotation before each step."""
+        """A function that adds a damper's torque, N m, to two bodies before each step; ``coefficient`` is in N m s."""
         last = None
         # An assignment to a body's attribute takes twice as long as its property's own setter.
         turning, torque_of = pymunk.Body.angular_velocity.fget, pymunk.Body.torque.fget
@@ -196,7 +199,7 @@ class PymunkWorld:
         return add
 
     def dashpot(self, spring: pymunk.DampedSpring) -> Load:
-        """A function that adds the spring's damping before each step, to second order of the step."""
+        """A function that adds a spring's damping before each step, to second order; the spring itself loses it."""
         rod, damping = Rod(spring.a, spring.b, spring.anchor_a, spring.anchor_b), spring.damping
         spring.damping = 0.0
         lengths: list[float] = []
@@ -233,7 +236,10 @@ def build(model: Data) -> PymunkWorld:
 
 
 def follow(world: PymunkWorld, course: Data) -> Data:
-    """Step through the one part of a course and return its samples."""
+    """Step through the one part of a course and return its samples.
+
+    Adds to the course's ``details`` and ``solver_work``.
+    """
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
     step = part["end"] / int(samples[-1])
@@ -288,10 +294,9 @@ def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) ->
 def take_steps(
     world: PymunkWorld, step: float, rates: Array, stops: tuple[Array, Array, Array], read: list[pymunk.Constraint]
 ) -> tuple[Array, Array, list[int]]:
-    """Take all steps; after those of ``stops`` iterations are chosen, states and impulses are read.
+    """Take all steps; after those of ``stops`` iterations are chosen, states and impulses are read, in this order.
 
     Returns x, y, θ and their rates, (looks, parts, 2, 3), impulses, (loaded, constraints), and iterations, (samples,).
-
     A motor's rate is that of the step to come: it sets the velocity with which the next step moves the bodies. Of a
     linear drive it is the distance of its ends after that step.
     """
@@ -335,7 +340,10 @@ def body_states(space: pymunk.Space) -> bytes:
 
 
 def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: float) -> tuple[Array, Array]:
-    """Positions of mass centres from those of the parts that carry the bodies, and velocities ``ahead`` s later."""
+    """Positions of mass centres from those of the parts that carry the bodies, and velocities ``ahead`` s later.
+
+    The parts' centres lie at ``offsets``, in their frames, from the mass centres'.
+    """
     place, rate = place[:, : len(offsets)].copy(), rate[:, : len(offsets)].copy()
     for values, arms in (
         (place, offsets * np.exp(1j * place[..., 2])),
@@ -349,8 +357,9 @@ def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: floa
 def set_start_velocities(world: PymunkWorld, rate: float, step: float) -> None:
     """Give the parts the velocities of the start or, if ``centred``, those of the first step's middle.
 
-    These are the motion's tangent at the start, at the speed in the middle of the step: the first step then opens the
-    joints as every later step does, and the next one closes them as later ones do.
+    ``rate`` is the driver's prescribed speed in that step. These are the motion's tangent at the start, at the speed in
+    the middle of the step: the first step then opens the joints as every later step does, and the next one closes them
+    as later ones do.
     """
     speed, gain = world.given["driver_rates"]
     if world.given["centred"]:

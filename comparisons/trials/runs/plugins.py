@@ -36,7 +36,7 @@ class PluginEngine:
     expected_failures: Mapping[str, str]
 
     def version(self) -> str | None:
-        """The engine's version; None where it is absent."""
+        """The engine's version; None where it is absent or has none."""
         return self.told_version
 
     def why_unavailable(self) -> str | None:
@@ -44,18 +44,21 @@ class PluginEngine:
         return self.absent
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The engine's ways of stepping that can be studied; raises AdapterError where it cannot tell them."""
+        """The engine's ways of stepping that can be studied, as a worker tells them.
+
+        Raises AdapterError where it cannot.
+        """
         ((_, told),) = LocalPool(1).run(_methods, [(self.name, scene)], bounds=LONGEST_LOADING)
         if isinstance(told, Lost):
             raise AdapterError(told.reason)
         return told
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Run the engine in this process."""
+        """Import the engine in this process, and run it there."""
         return registry.engine(self.name).run(scene, setting)
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Run the engine by a method in this process."""
+        """Import the engine in this process, and run it there by a method at a longest ``step``, s."""
         adapter = registry.engine(self.name)
         assert isinstance(adapter, StudiedEngine)
         return adapter.run_method(scene, method, step)
@@ -66,14 +69,17 @@ class PluginEngine:
 
 
 def _methods(name: str, scene: Scene) -> tuple[Method, ...]:
-    """Run in a worker: the methods of a plug-in's engine for a scene."""
+    """Run in a worker: the methods of a plug-in's engine for a scene, () if it has none to study.
+
+    Raises AdapterError.
+    """
     adapter = registry.engine(name)
     with blamed_on(adapter):
         return adapter.methods(scene) if isinstance(adapter, StudiedEngine) else ()
 
 
 def _facts(name: str) -> tuple[Any, ...]:
-    """Run in a worker: load a plug-in and return the fields of its ``PluginEngine``; raises AdapterError."""
+    """Run in a worker: load a plug-in and return the fields of its ``PluginEngine``, in order; raises AdapterError."""
     adapter = registry.engine(name)
     with blamed_on(adapter):
         if isinstance(adapter, registry.Unusable):
@@ -89,7 +95,10 @@ def engine(name: str) -> Engine:
 
 
 def engines(names: Sequence[str]) -> list[Engine]:
-    """The adapters of these names, as from ``engine``; all plug-ins are asked at the same time."""
+    """The adapters of these names, as from ``engine``, in their order; all plug-ins are asked at the same time.
+
+    In a worker they are loaded there.
+    """
     if multiprocessing.current_process().daemon:  # a worker
         return [registry.engine(name) for name in names]
     plugins = {name: (name, registry.entry_point(name).value) for name in names if registry.is_plugin(name)}
@@ -103,7 +112,7 @@ def engines(names: Sequence[str]) -> list[Engine]:
 
 
 def _known(name: str, told: tuple[Any, ...] | Lost) -> Engine:
-    """The engine with the facts that a worker has told, or a stand-in with the reason the worker was lost."""
+    """The engine with the facts that a worker has told, or a stand-in with the reason why the worker was lost."""
     if not isinstance(told, Lost):
         return PluginEngine(*told)
     whole = told.outcome in (Failure.ADAPTER_ERROR, Failure.SUITE_ERROR)

@@ -96,7 +96,10 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
 
 
 def lost(error: BaseException, memory: int) -> Lost:
-    """The Lost record for a job that raised ``error`` within a memory bound, bytes."""
+    """The Lost record for a job that raised ``error`` within a memory bound, bytes.
+
+    Writes the traceback to the terminal if the environment asks for it.
+    """
     if isinstance(error, MemoryError):
         return Lost(Failure.CRASHED, f"needed more than {memory / GIB:.3g} GiB of memory")
     if isinstance(error, SystemExit):
@@ -118,13 +121,16 @@ def suite_error(error: BaseException) -> str:
 
 
 def _error_words(error: BaseException) -> str:
-    """An error's type and message on one line, cut to the longest length."""
+    """An error's type and message on one line, cut to _LONGEST_MESSAGE characters."""
     words = " ".join(str(error).split())
     return f"{type(error).__name__}: {words}"[:_LONGEST_MESSAGE].rstrip(": ")
 
 
 def _error_location(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
-    """File and line of the innermost frame inside these packages; else ``otherwise``, or of the innermost at all."""
+    """File and line of the innermost frame inside these packages.
+
+    Without one ``otherwise``, or the innermost frame at all.
+    """
     walk = traceback.walk_tb(error.__traceback__)
     frames = [(frame.f_globals.get("__name__", ""), frame.f_code.co_filename, n) for frame, n in walk]
     prefixes = tuple(f"{name}." for name in packages)
@@ -154,16 +160,16 @@ ROUNDING = 1e-9  # of the duration
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    The samples of a finished run cover the whole motion; they and their squares are finite. Raises AdapterError for
-    every exception of the adapter but MemoryError, which the process with the memory bound reports
-    (``comparisons.trials.runs.run_engine``), and for a run that violates the contract.
+    The samples of a finished run cover the whole motion; they and their squares are finite: a run for which this does
+    not hold has diverged. Raises AdapterError for every exception of the adapter but MemoryError, which the process
+    with the memory bound reports, and for a run that violates the contract.
     """
     with blamed_on(adapter):
         return checked(started(adapter, model, way, step), model, adapter.name)
 
 
 def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
-    """The adapter's run of a scene, unchecked; arguments as for ``run_engine``."""
+    """The adapter's run of a scene, not yet checked; arguments as for ``run_engine``."""
     if isinstance(way, Setting):
         return adapter.run(model, way)
     assert step is not None
@@ -185,7 +191,7 @@ def checked(run: Run, model: Scene, name: str) -> Run:
 
 
 def readable(run: Run, model: Scene, name: str) -> Run:
-    """The run, checked against the contract: plain data, and samples of the scene's shapes.
+    """The run, checked against the contract: plain data, and samples of the scene's shapes; its reason on one line.
 
     One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
     Raises AdapterError for what no simulation can do wrong.
@@ -212,7 +218,7 @@ def readable(run: Run, model: Scene, name: str) -> Run:
 
 
 def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
-    """Every signal that a scene requests, by name; None if the history lacks it."""
+    """Yield every signal that a scene requests, after its name; None if the history lacks it."""
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
     if Channel.JOINT_FORCE in model.channels:
@@ -221,7 +227,7 @@ def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[
 
 
 def _contract_faults(run: object, model: Scene) -> Iterator[str]:
-    """Every violation of the contract by a run, as "expected value, got actual value"."""
+    """Yield every violation of the contract by a run, as "expected value, got actual value"."""
     if type(run) is not Run:
         yield f"a Run, got {_shown_value(run)}"
         return
@@ -247,7 +253,7 @@ def _contract_faults(run: object, model: Scene) -> Iterator[str]:
 
 
 def _history_faults(history: object, model: Scene) -> Iterator[str]:
-    """Violations of the contract by a finished run's history, as "expected, got" phrases."""
+    """Yield violations of the contract by a finished run's history, as "expected, got" phrases."""
     if type(history) is not History or not isinstance(history.joint_force, Mapping):
         yield f"a History of a run that finished, got {_shown_value(history)}"
         return
@@ -259,7 +265,10 @@ def _history_faults(history: object, model: Scene) -> Iterator[str]:
 
 
 def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
-    """Violations of the contract by a signal, as "expected, got" phrases; ``shapes`` are those of a sample."""
+    """Yield the first violation of the contract by a signal, as an "expected, got" phrase.
+
+    ``shapes`` are those of a sample.
+    """
     if type(signal) is not Signal or not isinstance(signal.origin, Origin):
         yield f"a Signal, got {_shown_value(signal)}"
     elif not all(isinstance(part, np.ndarray) and part.dtype.kind in "fiu" for part in (signal.time, signal.values)):
@@ -311,7 +320,7 @@ def gap(time: Array, drive: Drive) -> str:
 
 
 def _part_borders(drive: Drive) -> Array:
-    """Times, s, at which a motion starts or ends, changes its part, or its torque has a kink."""
+    """Times, s, ascending, at which a motion starts or ends, changes its part, or its torque over time has a kink."""
     if isinstance(drive, Prescribed):
         return np.array([0.0, *(segment.end for segment in drive.motion.segments)])
     kinks = drive.over_time.times if drive.over_time else ()

@@ -99,7 +99,7 @@ class Runs:
 
     @property
     def keys(self) -> Sequence[str]:
-        """The keys of all runs."""
+        """The keys of all runs, in the order of adding."""
         return list(self._numbers)
 
     def __contains__(self, key: object) -> bool:
@@ -107,7 +107,7 @@ class Runs:
         return key in self._numbers
 
     def add(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve] | None = None) -> None:
-        """Add a run in one transaction; it takes the place of another of the same key.
+        """Add a run in one transaction; it takes the place of another of the same key, at the end.
 
         Raises ValueError for a number of the row that is not finite.
         """
@@ -115,7 +115,10 @@ class Runs:
             self.put(key, row, curves or {})
 
     def put(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve]) -> None:
-        """Add a run, replacing one of the same key, within a transaction that the caller has begun."""
+        """Add a run, replacing one of the same key, within a transaction that the caller has begun.
+
+        Raises ValueError for a number of the row that is not finite.
+        """
         facts = {name: value for name, value in row.items() if name not in ("errors", "invariants")}
         text = json.dumps(facts, ensure_ascii=False, allow_nan=False)
         execute, many = self.connection.execute, self.connection.executemany
@@ -131,18 +134,19 @@ class Runs:
         self._numbers[key] = number
 
     def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Curve]]:
-        """The row and the curves of a run, these read when they are needed; raises KeyError.
+        """The row and the curves of a run; raises KeyError.
 
-        Of the row ``errors`` and ``invariants`` are lists of tuples of values, in the order of ``ERRORS``.
+        Of the row ``errors`` and ``invariants`` are lists of tuples of values, in the order of ``ERRORS``. A curve is
+        read from the file when it is asked for.
         """
         return next(self._read("id", self._numbers[key]))
 
     def every(self) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
-        """Row and curves of every run as ``read`` has them, in one pass over the file."""
+        """Yield row and curves of every run as ``read`` has them, in one pass over the file."""
         return self._read("study", self.study)
 
     def _read(self, column: str, number: int) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
-        """Row and curves of the runs whose ``column`` has this number."""
+        """Yield row and curves of the runs whose ``column``, id or study, has this number."""
         mine, select = f"FROM errors WHERE run IN (SELECT id FROM runs WHERE {column} = ?)", self.connection.execute
         counts = {
             run: (count - checks, checks)
@@ -201,9 +205,10 @@ def temporary_runs() -> Runs:
 def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
     """The store of a request's finished runs, and how an earlier, other request in the folder differed; "" if none.
 
-    ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
-    else that decides its results, such as versions. ``command`` repeats it with every option. The runs of another
-    request are removed. As long as the runs live no other process may write into the folder.
+    ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all else
+    that decides its results, such as versions. ``command`` repeats it with every option. The runs of another request
+    are removed. As long as the runs live no other process may write into the folder. Raises LinkproofError for a folder
+    that another command has, or that cannot be used.
     """
     lock, connection = claim(folder), _open(folder, to_write=True)
     _check_values(connection, folder)
@@ -227,7 +232,8 @@ def save_study(
 ) -> None:
     """Write a study in one transaction, replacing one of its kind and those of the kinds ``instead_of``.
 
-    The runs may come from a generator; they do not stay in memory.
+    The runs may come from a generator; they do not stay in memory. Raises LinkproofError where the folder cannot be
+    written.
     """
     lock = claim(folder)
     begun = _BEGUN.get(folder.resolve())
@@ -244,7 +250,7 @@ def save_study(
 
 
 def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", document: str = "{}") -> Runs:
-    """An empty store of a study of this kind, in place of an earlier one."""
+    """An empty store of a study of this kind, in place of an earlier one with all its runs."""
     connection.execute("DELETE FROM studies WHERE kind = ?", (kind,))
     words = (kind, request, "", document)
     made = connection.execute("INSERT INTO studies (kind, request, command, document) VALUES (?, ?, ?, ?)", words)
@@ -253,12 +259,12 @@ def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", 
 
 
 def to_json(document: Mapping[str, Any]) -> str:
-    """JSON text with records written out; NaN never appears."""
+    """JSON text with records written out; raises ValueError for NaN and infinity, TypeError for other objects."""
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_json_value) + "\n"
 
 
 def _json_value(value: object) -> object:
-    """A data class as a mapping for JSON, with its ``sentence`` if it has one; raises TypeError otherwise."""
+    """A data class as a mapping for JSON, with its ``sentence`` if it has one; raises TypeError for anything else."""
     if not is_dataclass(value) or isinstance(value, type):
         raise TypeError(f"cannot write {type(value).__name__} as JSON")
     sentence = getattr(value, "sentence", None)
@@ -266,14 +272,14 @@ def _json_value(value: object) -> object:
 
 
 def has_study(folder: Path, kind: str) -> bool:
-    """Whether a folder has a finished study of this kind, or an older version's."""
+    """Whether a folder has a finished study of this kind; raises LinkproofError for one of an older version."""
     return (folder / kind / BEFORE).is_file() or _first_row(
         folder, "SELECT 1 FROM studies WHERE kind = ?", kind
     ) is not None
 
 
 def unfinished_command(folder: Path) -> str:
-    """The command that began a folder's unfinished study; "" if there is none."""
+    """The command that repeats a folder's unfinished study; "" if there is none."""
     found: str = _first_row(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
     return found
 
@@ -298,7 +304,10 @@ def load_study(
 
 
 def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
-    """The first row of a query about a kind of study, or its only value; None without such a study."""
+    """The first row of a query about a kind of study, or its first value unless ``whole``; None without such a study.
+
+    Raises LinkproofError for a file that cannot be used or is an older version's.
+    """
     check_folder(folder)
     if kind and (folder / kind / BEFORE).is_file():
         raise LinkproofError(
@@ -314,7 +323,10 @@ def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> A
 
 @contextmanager
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
-    """Turn errors of reading or writing the folder's file, in the block, into LinkproofError."""
+    """In the block, turn errors of reading or writing the folder's file into LinkproofError.
+
+    ``kind`` is the study's.
+    """
     import sqlite3  # noqa: PLC0415
 
     try:
@@ -333,9 +345,10 @@ def fault_words(error: Exception) -> str:
 
 
 def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
-    """A connection to the folder's file; raises LinkproofError for a file that is not linkproof's.
+    """A connection to the folder's file, for reading alone unless ``to_write``, which makes a missing one.
 
-    What a killed process left half-written is rolled back, which needs a folder that can be written.
+    What a killed process left half-written is rolled back, which needs a folder that can be written. Raises
+    LinkproofError for a missing file, or one that is not linkproof's.
     """
     import sqlite3  # noqa: PLC0415
 
@@ -383,7 +396,10 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 
 
 def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") -> None:
-    """Raise LinkproofError for a file that is damaged, or has a value of another type than its column's."""
+    """Raise LinkproofError for a file that is damaged, or has a value of another type than its column's.
+
+    ``kind`` is for the cure.
+    """
     with store_errors(folder, kind):
         (verdict,) = connection.execute("PRAGMA quick_check(1)").fetchone()
         if verdict != "ok":
@@ -395,7 +411,7 @@ def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") 
 
 @contextmanager
 def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    """Write everything in the block or, if it raises, nothing."""
+    """Write everything that the block does or, if it raises, nothing."""
     with connection:
         connection.execute("BEGIN IMMEDIATE")
         yield

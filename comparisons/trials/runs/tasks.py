@@ -62,7 +62,7 @@ class TaskList(Generic[R]):
         return [task for key, task in by_key.items() if key not in self._runs]
 
     def make(self, tasks: Iterable[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
-        """Make the tasks without a result, begun in their order; yields each as it ends."""
+        """Make the tasks without a result, begun in their order; stores each result and yields each task as it ends."""
         todo = self.expect(tasks)
 
         def begun(number: int) -> None:
@@ -83,7 +83,8 @@ class TaskList(Generic[R]):
     def complete(self, tasks: Sequence[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> list[R]:
         """Make those tasks that have no result yet; returns the results of all, in their order.
 
-        Several processes begin with the heaviest, so that it does not run alone at the end.
+        Several processes begin with the heaviest, so that it does not run alone at the end. Raises KeyError where a
+        task was lost and counts as never begun.
         """
         begun = tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight)
         for _ in self.make(begun, bounds):
@@ -95,7 +96,7 @@ class TaskList(Generic[R]):
         return self.decode(*self._runs.read(key))
 
     def has(self, key: str) -> bool:
-        """Whether a task is finished."""
+        """Whether a task with this key is finished."""
         return key in self._runs
 
     def _announce(self, task: Task) -> None:

@@ -41,7 +41,7 @@ CONSTS.sleep_unit = 0.02  # s, after which pebble looks again for a worker that 
 
 
 def start_method() -> str:
-    """The name of the way to start workers: by a server that forks in 5 ms, or spawned anew.
+    """The name of multiprocessing's way to start workers: by a server that forks in 5 ms, or spawned anew.
 
     On Windows, which has no such server, and on macOS, whose libraries may not be forked, every worker is spawned and
     imports anew. ``START`` in the environment overrules it.
@@ -72,7 +72,7 @@ def start_server(modules: Sequence[str]) -> None:
 
 @contextlib.contextmanager
 def _main_module_hidden() -> Iterator[None]:
-    """Let processes that start in the block not import the main module, which none of their jobs needs.
+    """In the block, let processes that start not import the main module, which none of their jobs needs.
 
     So a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not imported twice.
     """
@@ -86,7 +86,7 @@ def _main_module_hidden() -> Iterator[None]:
 
 
 def _output_to(path: str) -> contextlib.AbstractContextManager[None]:
-    """In the block, append the process' output to a file, unless output is requested."""
+    """In the block, append the process' output to a file at ``path``, unless the environment asks to see it."""
     return contextlib.nullcontext() if os.environ.get(SHOW_OUTPUT) else silenced(path)
 
 
@@ -117,7 +117,7 @@ class _Context:
 
 
 def _received(reader: Connection) -> object:
-    """The next object from a worker; raises OSError or EOFError also for bytes that are none."""
+    """The next object from a worker; raises OSError for bytes that are none, EOFError at the end."""
     try:
         return type(reader).recv(reader)
     except (EOFError, OSError):
@@ -157,7 +157,7 @@ class _Process:
         return _CLEAN_EXIT if code == 0 else code
 
     def end(self) -> str:
-        """The end of the process in words, after at most 2 s of waiting."""
+        """How the process has ended, in words, after at most 2 s of waiting for it."""
         self._process.join(_EXIT_TIMEOUT)
         code: int | None = self._process.exitcode
         if code is None:
@@ -194,14 +194,14 @@ class Worker:
         return bool(self.pool.active)
 
     def begin(self, job: tuple[int, bytes, bytes, RunBounds]) -> Future[bytes]:
-        """Send a job to the worker; returns the future of its pickled result."""
+        """Send a job to the worker, and keep it as ``job``; returns the future of its pickled result."""
         self.job, (_, function, arguments, bounds) = job, job
         return self.pool.schedule(
             _run_job, (function, arguments, bounds.memory, str(self.output)), timeout=bounds.seconds
         )
 
     def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
-        """The result of its job, or how that was lost."""
+        """The result of its job, or a Lost one that says how it was lost; notes whether the process has died."""
         error = future.exception() if future.done() else BrokenExecutor()
         if isinstance(error, TimeoutError):
             return Lost(Failure.TIMED_OUT, f"took longer than {self.job[-1].seconds:g} s")
@@ -232,7 +232,7 @@ class Worker:
 
 
 def _start_error(what: str) -> LinkproofError:
-    """The error that no worker can be started, with the reason."""
+    """The LinkproofError that no worker can be started, with what was got instead."""
     return LinkproofError(f"expected to start a worker process, got {what}; run with --jobs 0 to do without")
 
 
@@ -273,7 +273,7 @@ def _end_with(sentinel: int) -> None:
 
 
 def _run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
-    """The pickled result of a pickled job, which is ``Lost`` if the job raises anything."""
+    """The pickled result of a pickled job, which is ``Lost`` if the job raises anything; its output goes to a file."""
     try:
         os.truncate(output, 0)  # what earlier jobs have printed
         with _output_to(output), _memory_bounded(memory):
@@ -292,7 +292,7 @@ def _unpickled_function(function: bytes) -> Callable[..., object]:
 
 @contextlib.contextmanager
 def _memory_bounded(memory: int) -> Iterator[None]:
-    """In the block, let the process add at most ``memory`` bytes, if the system can bound it."""
+    """In the block, let the process add at most ``memory`` bytes of address space, if the system can bound it."""
     try:
         import resource  # noqa: PLC0415
 

@@ -51,7 +51,8 @@ class Pool(Protocol):
         """Call ``function(*job)`` for every job in worker processes; yields (index of the job, result) as they end.
 
         ``function`` is of a module, or a ``functools.partial`` of one. Jobs begin in order, are taken from their
-        iterable when there is room for them, and ``begun`` is called with the index of each.
+        iterable when there is room for them, and ``begun`` is called with the index of each. A job that raises, or
+        breaks its ``bounds``, has a Lost result.
         """
         ...
 
@@ -82,7 +83,10 @@ class LocalPool:
         bounds: RunBounds = DEFAULT_BOUNDS,
         begun: Begun = lambda _: None,
     ) -> Generator[tuple[int, R | Lost], None, None]:
-        """Call ``function(*job)`` for every job, as a ``Pool`` does."""
+        """Yield index and result of ``function(*job)`` for every job, as a ``Pool`` does.
+
+        Raises LinkproofError where none can start.
+        """
         count = most_processes() if self.processes is None else self.processes
         if not count:
             yield from _results_here(function, jobs, bounds, begun)
@@ -115,12 +119,15 @@ class LocalPool:
         return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, RunBounds], begun: Begun) -> None:
-        """Give a worker a job, and call ``begun`` with the job's index."""
+        """Call ``begun`` with a job's index, and give the job to a worker."""
         begun(job[0])
         self._busy[worker.begin(job)] = worker
 
     def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
-        """Wait for results and yield them; a job whose used worker died is begun once more in a new one."""
+        """Wait for results, up to _PULSE, and yield them.
+
+        A job whose used worker died is begun once more in a new one.
+        """
         wait(self._busy, _PULSE, FIRST_COMPLETED)
         for future, worker in list(self._busy.items()):
             if not future.done() and worker.is_usable():
@@ -151,7 +158,7 @@ class LocalPool:
 def _results_here(
     function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: RunBounds, begun: Begun
 ) -> Iterator[tuple[int, R | Lost]]:
-    """Run the jobs in this process, one after the other, and yield their numbers and results."""
+    """Run the jobs in this process, one after the other, and yield their indices and results; bounds do not hold."""
     for number, job in enumerate(jobs):
         begun(number)
         result: R | Lost

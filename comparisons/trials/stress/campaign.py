@@ -53,7 +53,7 @@ class Border(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """The value between both, by the geometric mean, to the digits that a cell's name has."""
+        """The value between both, by the geometric mean, to the six digits that a cell's name has."""
         low, high = self.ends
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
@@ -81,14 +81,15 @@ class Border(NamedTuple):
 def borders(results: Iterable[Cell], *, quick: bool = False) -> list[Border]:
     """On every line, on either side of its easy value, the border to the first run that is not within limit.
 
-    There is none where the easiest value is not within limit, or where nothing fails.
+    There is none where the easiest value is not within limit, or where nothing fails. With ``quick`` lines of
+    ``QUICK_BORDERS`` alone count.
     """
     lines = grouped((result.line, result) for result in results if not quick or result.setting == QUICK_BORDERS)
     return [border for line in lines.values() for border in _line_borders(line)]
 
 
 def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
-    """The first border on either side of a line's easy value."""
+    """Yield the first border on either side of a line's easy value, where there is one."""
     rising = sorted(line, key=lambda result: result.value)
     good = axes()[rising[0].axis].good
     start = min(range(len(rising)), key=lambda number: _factor_between(rising[number].value, good))
@@ -124,7 +125,7 @@ class Stress:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document with counts and borders, and all cells, JSON-ready."""
+        """The document with counts and borders, and all cells, JSON-ready, as a new dictionary."""
         return {
             **self.document,
             "summary": {engine: dict(self.count(engine)) for engine in self.engines},
@@ -155,7 +156,7 @@ class Stress:
 
     @cached_property
     def columns(self) -> Mapping[str, Sequence[float]]:
-        """The listed values of each axis that were run, by axis; all values if none of these was."""
+        """The listed values of each axis that were run, by axis; all its values if none of the listed ones was."""
         seen = grouped((result.axis, result.value) for result in self.results)
         columns = {}
         for name, values in seen.items():
@@ -173,13 +174,13 @@ class Stress:
         return tuple(result for result in self.results if result.verdict in verdicts)
 
     def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
-        """The number of cells with each verdict, of one engine, of one axis or of all."""
+        """The number of cells with each verdict, of one engine, of one axis or of both; of all by default."""
         chosen = (each for each in self.results if engine in ("", each.engine) and axis in ("", each.axis))
         return Counter(result.verdict for result in chosen)
 
 
 def save(folder: Path, stress: Stress) -> None:
-    """Write a stress test into a folder, replacing an earlier one."""
+    """Write a stress test into a folder, replacing an earlier one; raises LinkproofError where it cannot be written."""
     save_study(folder, KIND, stress.document, ((result.key, *result.written()) for result in stress.results))
 
 
@@ -204,7 +205,8 @@ def stress(
 ) -> Stress:
     """Run these cells, then those that narrow the borders down; ``finished`` runs are not made again.
 
-    ``announce`` hears a label, how many cells are done and how many are known of. ``command`` repeats the test.
+    ``announce`` hears a label, how many cells are done and how many are known of. ``command`` repeats the test. A
+    ``quick`` one has coarser borders and less time for a cell.
     """
     study, precision = _stress_study(announce, finished, pool), COARSE if quick else PRECISE
     results, todo = list[Cell](), chosen

@@ -110,7 +110,7 @@ class Cell(RunRecord):
 
 @cache
 def tables() -> dict[str, Any]:
-    """The table of the maps' axes, and the words for each check that may fail."""
+    """The table of the maps' axes, and the words for each check that may fail, read once."""
     return tomllib.loads(Path(__file__).with_name("axes.toml").read_text(encoding="utf-8"))
 
 
@@ -185,7 +185,7 @@ class Conditions:
 
 
 def linkage(conditions: Conditions) -> Linkage:
-    """The linkage of a cell, under its original name."""
+    """The linkage of a cell, changed as its conditions say, under its original name."""
     name = conditions.linkage
     changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
@@ -240,7 +240,7 @@ def reversal(speed: float, start_angle: float, hold: float, change: float) -> Cr
 
 @lru_cache(maxsize=4)
 def case(conditions: Conditions) -> Case:
-    """The case of a cell, shared by its neighbours: a long released motion takes seconds to integrate.
+    """The case of a cell; the last few are kept for its neighbours: a long released motion takes seconds to integrate.
 
     Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to.
     """
@@ -265,7 +265,7 @@ def case(conditions: Conditions) -> Case:
 
 
 def scene(conditions: Conditions, case: Case) -> Scene:
-    """The scene of a cell, with every channel and, on request, a disturbed start."""
+    """The scene of a cell, with every channel and, if its conditions say so, a disturbed start."""
     undisturbed, level = case.scene(frozenset(Channel)), conditions.disturbed
     if not level:
         return undisturbed
@@ -319,11 +319,11 @@ class Axis:
         return replace(self.row(label), **varied)
 
     def chosen_rows(self, *, quick: bool) -> tuple[Conditions, ...]:
-        """The rows of the axis in a full map, or in a quick one."""
+        """The rows of the axis: all in a full map, those marked ``quick`` in a quick one."""
         return tuple(row for row in self.rows if row.quick or not quick)
 
     def chosen_values(self, row: Conditions, *, quick: bool) -> tuple[float, ...]:
-        """The values of a row in a full map, or in a quick one."""
+        """The values of a row in a full map, or in a quick one, up to the largest that makes sense for it."""
         return tuple(value for value in (self.quick if quick else self.values) if value <= row.most)
 
 
@@ -335,7 +335,7 @@ def axes() -> Mapping[str, Axis]:
 
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
-    """The axes of these names, by default all; raises UnknownNameError."""
+    """The axes of these names, by default all, in the table's order; raises UnknownNameError."""
     known, chosen = axes(), list(names)
     for name in chosen:
         if name not in known:
@@ -344,7 +344,10 @@ def chosen_axes(names: Iterable[str]) -> list[Axis]:
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:
-    """Names of the settings and methods in which an engine is run on an axis."""
+    """Names of the settings and methods in which an engine is run on an axis.
+
+    Methods that it does not offer are left out.
+    """
     if not axis.methods:
         return list(axis.settings)
     given = scene(axis.rows[0], case(axis.rows[0]))
@@ -364,7 +367,10 @@ def cell_at(axis: Axis, row: str, value: float, engine: str, usage: str) -> Cell
 
 
 def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
-    """Every cell of these axes; ``only`` keeps the usages of these names. Raises LinkproofError where there is none."""
+    """Every cell of these axes in these engines; ``only`` keeps the usages of these names.
+
+    A ``quick`` map has fewer rows and values. Raises LinkproofError where there is none.
+    """
     found = []
     for axis in chosen:
         known = [(name, usage) for name in engines for usage in usages(axis, engine(name)) if usage in only or not only]
@@ -378,7 +384,10 @@ def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = 
 
 
 def find_cell(key: str) -> Cell:
-    """The cell of a key; its value may be any number. Raises UnknownNameError, or LinkproofError for another text."""
+    """The cell of a key, not yet run; its value may be any number.
+
+    Raises UnknownNameError, or LinkproofError for a text that is no key.
+    """
     try:
         name, row, value, engine_name, usage = key.split("/")
     except ValueError:
@@ -396,7 +405,7 @@ def find_cell(key: str) -> Cell:
 
 
 def run_cell(cell: Cell) -> Cell:
-    """Make a cell's run in this process and judge it."""
+    """Make a cell's run in this process and judge it: a copy of the cell with its result; raises AdapterError."""
     begun, adapter = time.perf_counter(), engine(cell.engine)
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     with blamed_on(adapter):
@@ -416,7 +425,7 @@ def run_cell(cell: Cell) -> Cell:
 
 
 def lost(loss: Lost, cell: Cell) -> Cell:
-    """The cell with the verdict for a worker that gave no result."""
+    """A copy of the cell with the verdict for a worker that gave no result."""
     return replace(cell, verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
 
 
@@ -438,7 +447,8 @@ def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions
 def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
     """A sentence for each kind of signal farther from the closed form than ``WRONG``; [] if there is none.
 
-    Of all positions, and of all velocities, the worst one is named.
+    Of all positions, and of all velocities, the worst one is named. A motion with too much time without samples has a
+    sentence, too. Raises LinkproofError where the closed form has no value.
     """
     errors = signal_errors(case, motion.scene, motion.history, JUDGED)
     kinds = grouped(((e.read.channel, "" if e.read.channel in LEVELS else e.read.name), e) for e in errors).values()
@@ -460,7 +470,7 @@ def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
 
 
 def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engine) -> Cell:
-    """The cell with a verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
+    """A copy of the cell with a verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
 
     The limits of ``naive`` would hide a wrong motion. Where the closed form itself has no motion, no motion is right,
     and the invariants have to flag it.
@@ -503,7 +513,7 @@ def _run_to_judge(case: Case, setting: str) -> RunRecord:
 
 
 def _worst_first(errors: Iterable[Error]) -> list[Error]:
-    """The judged errors with finite numbers, the one that uses most of its limit first."""
+    """Copies of the judged errors with finite numbers, the one that uses most of its limit first."""
     rows = []
     for error in errors:
         if Verdict(error.outcome).judged and error.error_max is not None and error.limit is not None:
@@ -514,7 +524,7 @@ def _worst_first(errors: Iterable[Error]) -> list[Error]:
 
 
 def _alarm_words(check: Error, motion: ObservedMotion) -> str:
-    """The words of a check about a motion, with the instant and, for an open joint, the joint."""
+    """The sentence of a check about a motion, with the instant and, for an open joint, the joint."""
     at = check.worst_time
     gaps = motion.joint_gaps(np.array([at or 0.0]))
     joint = max(gaps, key=lambda name: float(gaps[name][0]))

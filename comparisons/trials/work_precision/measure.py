@@ -42,9 +42,10 @@ def longest_step(case: Case, steps_per_turn: float) -> float:
 
 
 def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
-    """The quantities of these names that a case has, ``joint_force`` standing for its worst joint.
+    """The quantities that a case has, by those of the ``names`` that it has.
 
-    φ belongs to every case: under a prescribed motion it shows how well the drive is followed.
+    ``joint_force`` stands for all joints' forces. φ belongs to every case: under a prescribed motion it shows how well
+    the drive is followed.
     """
     known = all_quantities(case)
     families: dict[str, tuple[Quantity, ...]] = {}
@@ -59,9 +60,10 @@ def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantit
 def measure(
     pickled: bytes, usage: Setting | Method, blank: BenchRun, quantities: Sequence[str], with_errors: bool
 ) -> BenchRun:
-    """Make the ``blank`` run of a pickled case once, by a setting or by a method at its step.
+    """Make the ``blank`` run of a pickled case once, by a setting or by a method at its step: a copy with the result.
 
-    Raises AdapterError for every exception of the adapter but MemoryError.
+    ``with_errors`` adds the errors of ``quantities``. Raises AdapterError for every exception of the adapter but
+    MemoryError.
     """
     case, adapter = unpickle_case(pickled), engine(blank.engine)
     families = chosen_families(case, quantities)
@@ -95,7 +97,10 @@ def measure(
 
 
 def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
-    """The ``blank`` record with outcome, times and steps of a run; ``wall`` is the time of the whole call, s."""
+    """A copy of the ``blank`` record with outcome, times and steps of a run.
+
+    ``wall`` is the time of the whole call, s.
+    """
     return replace(
         blank,
         outcome=run.outcome.value,
@@ -118,7 +123,10 @@ def _number_words(value: str | int | float) -> str:
 def _family_errors(
     case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion, blank: Error
 ) -> Iterator[Error]:
-    """Errors of a motion, of a family of quantities the worst member's, with what the engine does not tell of each."""
+    """Yield a motion's errors, of a family of quantities the worst member's.
+
+    Each says what the engine does not tell.
+    """
     alone = replace(case)  # the closed form on this clock goes when the point is done
     for name, family in families.items():
         reasons = {quantity.name: reason for quantity in family if (reason := _why_not_measured(quantity, motion))}
@@ -137,14 +145,14 @@ def _family_errors(
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
-    """The reason why the engine has no value of its own for a quantity; "" where it has one."""
+    """The reason, in words, why the engine has no value of its own for a quantity; "" where it has one."""
     if quantity.lacking(motion):
         return "not offered"
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before, so that it has imported all that it needs.
+    """Run an engine that this process has not run before, at a ``step``, s, so that it has imported all that it needs.
 
     Its exceptions are ignored: the measured run need not raise them.
     """
@@ -181,7 +189,7 @@ class Clock:
         self.inside = 0.0
 
     def around(self, function: Callable[..., Any], sign: float = 1.0) -> Callable[..., Any]:
-        """The function with its time added to ``inside``, or subtracted for a ``sign`` of -1."""
+        """The function made to add its time to ``inside``, or to subtract it for a ``sign`` of -1."""
 
         def clocked(*given: Any, **named: Any) -> Any:  # noqa: ANN401 - whatever the function takes
             """Call the function and add its time, with the sign, to ``inside``."""
@@ -194,14 +202,14 @@ class Clock:
         return clocked
 
     def around_callbacks(self, setter: Callable[..., Any]) -> Callable[..., Any]:
-        """The function with the time of callbacks given to it subtracted from ``inside``."""
+        """The function ``setter`` made to hand on a callback whose time is subtracted from ``inside``."""
         return lambda function: setter(function and self.around(function, -1.0))
 
 
 def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
-    """Wall time of a run inside the engine's own calls, s; None if the adapter does not name these calls.
+    """Wall time of a run inside the engine's own calls, s.
 
-    The clock slows the run.
+    None, without a run, if the adapter does not name these calls. The clock slows the run.
     """
     clock = Clock()
     wrappers = dict.fromkeys(getattr(adapter, "engine_calls", ()), clock.around)
@@ -219,7 +227,7 @@ def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """The return value of ``work`` and its wall time, s."""
+    """The return value of ``work`` and its wall time, s, without the garbage collector."""
     with no_collection():
         begun = time.perf_counter()
         result = work()

@@ -171,7 +171,7 @@ class Rounds:
         )
 
     def run(self, number: int, batch: Sequence[tuple[PointSweep, BenchRun]]) -> None:
-        """Measure points of sweeps in the round ``number``, as long as there is time."""
+        """Measure points, each of its sweep, in the round ``number``, as long as there is time."""
         tasks = [self._point_task(number, sweep, point) for sweep, point in batch]
         self.study.expect(tasks)
         bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
@@ -185,17 +185,20 @@ class Rounds:
         return self.study.result(key) if self.study.has(key) else None
 
     def repeats(self, point: BenchRun, rounds: int) -> list[BenchRun]:
-        """The finished measurements of a point, round by round."""
+        """The finished measurements of a point in the first ``rounds`` rounds, round by round."""
         every = [run for number in range(rounds) if (run := self.measurement(number, point)) is not None]
         return [run for run in every if run.outcome == Outcome.FINISHED]
 
     def is_worth_repeating(self, point: BenchRun, number: int) -> bool:
-        """Whether a point takes part in a later round: while it has not taken too long."""
+        """Whether a point takes part in the round ``number``: it has finished before, and has not taken too long."""
         before = self.repeats(point, number)
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
     def runs(self, sweep: PointSweep) -> Iterator[BenchRun]:
-        """One run per point of a sweep; an unmeasured sweep is shown by its first point, with the reason."""
+        """Yield one run per measured point of a sweep, its times the shortest of the repeats.
+
+        An unmeasured sweep is shown by its first point, with the reason.
+        """
         if not sweep.measurements:
             late = Failure.TIMED_OUT.value
             yield replace(sweep.points[0], outcome=late, detail=sweep.ended, ended=sweep.ended)
@@ -220,7 +223,10 @@ class Rounds:
         return Task(_task_key(number, point), job, label)
 
     def _lost_point(self, lost: Lost, _: bytes, __: object, blank: BenchRun, *___: object) -> BenchRun | None:
-        """The record of a run without a result; None if the benchmark's own deadline ended it."""
+        """The record of a run without a result; None if the benchmark's own deadline ended it.
+
+        Its arguments are the loss and those of ``measure``.
+        """
         return None if self.seconds_left() <= 0.0 else replace(blank, outcome=lost.outcome.value, detail=lost.reason)
 
     def seconds_left(self) -> float:
@@ -234,7 +240,7 @@ def _task_key(number: int, point: BenchRun) -> str:
 
 
 def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Bench:
-    """Measure everything requested; ``finished`` points are not measured again.
+    """Measure everything requested, round after round; ``finished`` points are not measured again.
 
     ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
     is made.
@@ -278,7 +284,7 @@ def _document(request: BenchRequest) -> dict[str, Any]:
 
 
 def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
-    """The engines' descriptions of their methods, once each."""
+    """The engines' descriptions of their methods, each once, JSON-ready."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
         for name in request.engines:
@@ -288,7 +294,10 @@ def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
-    """The requested methods of an engine; empty if it cannot be used here."""
+    """The requested methods of an engine; [] if it cannot be used or studied here.
+
+    Where the adapter raises, methods of those names, whose runs show what it raises.
+    """
     adapter = engine(name)
     if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
         return []
@@ -300,7 +309,7 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
 
 
 def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
-    """All sweeps of the request; an engine that cannot be used has a single point that says why."""
+    """Yield all sweeps of the request; an engine that cannot be used has a single point that says why."""
     for number, case in enumerate(request.cases):
         for name in request.engines:
             absent = why_unavailable(engine(name))
@@ -315,7 +324,10 @@ def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
 def planned_sweeps(
     number: int, case: Case, engine_name: str, methods: Sequence[Method], request: BenchRequest
 ) -> Iterator[PointSweep]:
-    """The sweeps of one engine on the case numbered ``number``: settings first, then methods."""
+    """Yield the sweeps of one engine on the case numbered ``number``: settings first, then methods.
+
+    With ``fronts_only`` only those that it asks for.
+    """
     settings, extent = request.settings, request.extent
     if extent.fronts_only:
         settings = tuple(setting for setting in settings if setting is not Setting.BEST)
@@ -371,7 +383,7 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
 
 
 def _runs(request: BenchRequest, sweeps: Sequence[PointSweep], rounds: Rounds) -> list[BenchRun]:
-    """All runs by case and engine in the requested order, then in the order measured."""
+    """All runs by case and engine in the requested order, then in the order of sweeps and measuring."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda sweep: (sweep.case, places[sweep.points[0].engine]))
     return [run for sweep in ordered for run in rounds.runs(sweep)]

@@ -65,7 +65,7 @@ class BenchRun(RunRecord):
 
     @property
     def seconds_median(self) -> float:
-        """The median of the repeats, s."""
+        """The median of the repeats, s; 0 without any."""
         return statistics.median(self.repeats) if self.repeats else 0.0
 
     @property
@@ -82,11 +82,11 @@ class BenchRun(RunRecord):
 
     @property
     def key(self) -> str:
-        """The key of the point, unique in the benchmark."""
+        """The key of the point, unique in the benchmark: the run's, and its step."""
         return super().key + ("" if self.step is None else f", step {self.step!r}")
 
     def columns(self, quantities: Sequence[str]) -> Iterator[dict[str, Any]]:
-        """A row for each of its quantities; of one that did not finish, for each of those requested.
+        """Yield a row for each of its quantities; of one that did not finish, for each of those requested.
 
         A quantity that the engine does not tell at all is not provided there. ``finished`` has both an error and a
         time, ``left_out`` says what of a quantity the engine does not tell.
@@ -157,7 +157,7 @@ class Bench:
 
 
 def save(folder: Path, bench: Bench) -> None:
-    """Write a benchmark into a folder, replacing an earlier one."""
+    """Write a benchmark into a folder, replacing an earlier one; raises LinkproofError where it cannot be written."""
     save_study(folder, KIND, bench.document, ((point.key, *point.written()) for point in bench.points))
 
 
@@ -179,14 +179,14 @@ WANTED = tuple(10.0**-k for k in range(2, 9))
 
 
 def is_falling(errors: Sequence[float]) -> bool:
-    """Whether the finest step has the least error, smaller by more than scatter than that of the step before."""
+    """Whether the last error, of the finest step, is the least, and below the one before by more than scatter."""
     if len(errors) < 2 or int(np.argmin(errors)) < len(errors) - 1 or errors[-1] <= 0.0:
         return False
     return errors[-2] / errors[-1] >= LEAST_GAIN
 
 
 def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | None:
-    """Slope of log error over log step where it is steady; None unless three points agree on it.
+    """Slope of log error over log step, coarse to fine, where it is steady; None unless three points agree on it.
 
     The slope is that of the longest run of refinements whose local slopes agree with their own Theil-Sen slope, which
     an outlier does not move; of equally long runs the finest counts. Points at the floor or past it, and points so
@@ -223,15 +223,18 @@ def _steady_slope(steps: Array, errors: Array) -> float | None:
 
 
 def still_improves(errors: Sequence[float]) -> bool:
-    """Whether another refinement is worth its price: not after two in a row without a smaller error."""
+    """Whether another refinement is worth its price.
+
+    It is not after two in a row that made the error no smaller by more than scatter.
+    """
     return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
 
 def sustained(errors: Sequence[float], limit: float) -> int | None:
-    """Index of the coarsest step from which all finer ones, down to the smallest error, are at or below ``limit``.
+    """Index of the first error from which all, down to the smallest, are at or below ``limit``.
 
-    A coarse step can be right by accident; one that the next finer step contradicts is not to be relied on. None where
-    the error is never reached.
+    Errors are given from the coarsest step to the finest. A coarse step can be right by accident; one that the next
+    finer step contradicts is not to be relied on. None where the limit is never reached.
     """
     place = int(np.argmin(errors))
     if errors[place] > limit:
@@ -260,14 +263,14 @@ def _row_type(columns: tuple[str, ...]) -> Row:
 
 
 def sweeps(points: DataFrame) -> list[DataFrame]:
-    """The sweep of every method: its points that finished, coarse to fine."""
+    """The sweep of every method in every quantity and place: its points that finished, coarse to fine."""
     methods = points[points.finished & (points.kind == METHOD)]
     groups = methods.groupby([*PLACE, "quantity", "engine", "setting"], sort=False)
     return [sweep.sort_values("step", ascending=False, kind="stable") for _, sweep in groups]
 
 
 def least(points: DataFrame) -> Row:
-    """The point with the smallest error."""
+    """The row of the point with the smallest error."""
     return min(rows(points), key=lambda row: row.error_max)
 
 
@@ -305,7 +308,7 @@ def choices(points: DataFrame) -> list[Row | None]:
 
 
 def large_overheads(bench: Bench) -> list[Row]:
-    """The point with the largest overhead of every engine and setting, where it exceeds ``LARGE_OVERHEAD``."""
+    """Of every engine and setting the row with the largest overhead, over ``LARGE_OVERHEAD``; the largest first."""
     large = bench.table[bench.table.overhead.astype(float) > LARGE_OVERHEAD]
     worst = large.sort_values("overhead", ascending=False, kind="stable").drop_duplicates(["engine", "setting"])
     return rows(worst)
@@ -334,7 +337,10 @@ def quantities(place: DataFrame) -> list[str]:
 
 
 def foremost(place: DataFrame) -> str:
-    """The quantity by which a place is judged: the first of ``FOREMOST`` measured, else the first requested."""
+    """The quantity by which a place is judged: the first of ``FOREMOST`` measured, else the first that is.
+
+    Where nothing finished, the first requested.
+    """
     names = quantities(place) or [place.quantity.iloc[0]]
     return next((name for name in FOREMOST if name in names), names[0])
 
