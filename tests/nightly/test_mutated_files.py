@@ -24,24 +24,10 @@ LINKAGES = [path.read_text("utf-8") for folder in FOLDERS for path in sorted(fol
 NUMBER = re.compile(r"(?<![\w\"])[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 FACTORS = (-1.0, 0.5, 0.999, 1.001, 2.0, 1e3, 1e-3)
 VALUES = ("0", "-1", "1e-9", "1e9", "1e300", "-1e300", "5e-324", "nan", "inf", '""', "[]", "{}", "true", "", "1,5")
-SIGNS = (*'[]{}=",.#-+;:\t\n\r\0\x1bé°\u202e😀\ufeff ', "NaN", "1e999")
+SIGNS = (*'[]{}=",.#-+;:\t\n\r\0\x1bé°ÿ\u202e😀\ufeff٣ ', "NaN", "1e999", "9e299", "1" * 5000, "\n\n", "<Step>", "\n0")
 
 
 JUKI = load("juki-mf7923d")
-PIECES = (
-    b"9e299",
-    b"1" * 5000,
-    b"nan",
-    b'"',
-    b"\x00",
-    b"\xff",
-    "٣".encode(),
-    b";",
-    b"\n\n",
-    b"<Step>",
-    b"1e-320",
-    b"\n0",
-)
 LAYOUTS = {
     "a.csv": lambda channels: layouts.csv(channels, delimiter=";", decimal=","),
     "b.csv": lambda channels: layouts.solidworks([(c.header, [channels[0], c]) for c in channels[1:]]),
@@ -109,23 +95,9 @@ def read(folder, chance):
                ("MOTION_1.TZ", "N*m", np.cos(time)))  # fmt: skip
     name, write = chance.choice(sorted(LAYOUTS.items()))
     content = write([layouts.Channel(*column) for column in columns])
-    path = folder / name
-    path.write_bytes(damaged(content if isinstance(content, bytes) else content.encode(), chance))
+    path, binary = folder / name, content if isinstance(content, bytes) else content.encode()
+    path.write_bytes(changed(binary.decode("latin-1"), chance).encode("latin-1", "ignore"))
     _crank_motion(read_results([path], JUKI, SAID.get(name, ())), None, 0.0)
-
-
-def damaged(content, chance):
-    """A file after one to three accidents: cut, bytes lost, repeated or overwritten, words of another file."""
-    for _ in range(chance.randint(1, 3)):
-        at, size = chance.randrange(len(content) + 1), chance.randrange(1, 40)
-        content = (
-            content[:at],
-            content[:at] + content[at + size :],
-            content[:at] + content[max(0, at - size) :],
-            content[:at] + chance.randbytes(size) + content[at + size :],
-            content[:at] + chance.choice(PIECES) + content[at:],
-        )[chance.randrange(5)]
-    return content
 
 
 def run(folder, chance):
