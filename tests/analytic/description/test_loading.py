@@ -1,4 +1,4 @@
-"""Linkage files: found, read and written anew."""
+"""Linkage files: found, read and written anew; their numbers by name, which can be set and left out alone."""
 
 import math
 import os
@@ -25,7 +25,7 @@ from analytic.description.loading import (
     rewritten,
 )
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
-from tests.analytic.linkages import FOLDER, JUKI
+from tests.analytic.linkages import FOLDER, JUKI, MADE_UP, mechanism
 from tests.analytic.mutations import mutated_files
 
 
@@ -225,3 +225,30 @@ def test_numbers_that_are_no_design(numbers, words):
 def test_a_variant_that_there_is_not():
     with pytest.raises(UnknownNameError, match="known are as-built"):
         rewritten(RIMOLDI, "rimoldi-164", "as-bulit", {})
+
+
+# Numbers by name.
+
+
+def with_number(linkage, path, number):
+    return changes.changed(linkage, lambda name, kind, value: number if name == path else value)
+
+
+@pytest.mark.parametrize("name", MADE_UP)
+def test_every_number_can_be_set_alone(name):
+    linkage = mechanism(name).linkage
+    assert changes.changed(linkage, lambda path, kind, value: value) == linkage
+    before = changes.numbers(linkage)
+    assert len(before) > 10
+    for path, value in before.items():
+        if ".along." not in path:  # a component of a unit vector takes the other one with it
+            after = changes.numbers(with_number(linkage, path, value + 1.0))
+            assert after == {**before, path: value + 1.0}
+
+
+@pytest.mark.parametrize("part", changes.EMPTY_PARTS)
+def test_a_part_left_out_is_gone_and_no_other(part):
+    linkage = load("slotted-takeup") if part == "thread" else mechanism("spring-and-damper").linkage
+    bare = changes.without(linkage, part)
+    assert getattr(bare, part) == changes.EMPTY_PARTS[part]
+    assert {name for name in vars(bare) if getattr(bare, name) != getattr(linkage, name)} <= {part}
