@@ -11,7 +11,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.dead_centres import stroke
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from tests.analytic.linkages import JUKI, message_of, text_of
+from tests.analytic.linkages import JUKI, MADE_UP, file_text, message_of, text_of
 from tests.analytic.mutations import mutated_files
 
 MASS = "links.crank.mass: expected a finite mass of zero or more in the file's mass unit, got"
@@ -180,11 +180,33 @@ OTHERS = [
         "got a circle of rocker on slider on rocker; let one of them slide on another link",
     ),
 ]
+LOADS = [
+    ('over = "S"\n', "", "forces #1.travel: expected travel = [...] with over = 'S', angle = [...] without"),
+    ("travel = [0, 30, 80, 95]", "angle = [0, 30, 80, 95]", "forces #1.angle: expected travel = [...]; correct it"),
+    ("travel = [0, 30, 80, 95]", "travel = [0, 80, 30, 95]", "expected increasing travels, got steps of -50 mm"),
+    ('when = "advance"', 'when = "forth"', "forces #1.when: expected 'advance' or 'return': the load acts only"),
+    ('when = "advance"', "period = 720", "period: expected no period of a load over a travel; leave it out"),
+    ("period = 720", "period = 500", "torques #1.period: expected one turn or two, got 1.389 turns"),
+    ("period = 720", "period = 360", "expected increasing angles that span less than one turn"),
+    ('frame = "rod"', 'frame = "rot"', "forces #2.frame: unknown link 'rot': did you mean 'rod'?"),
+    ('["rod", "crank"]', '["rod", "rod"]', "expected the loaded link and another body that takes"),
+    ('["rod", "ground"]', '["ground", "rod"]', "expected a link first, on which the load acts, got 'ground'"),
+    ('between = ["rod", "ground"]\n', "", "torques #1.link is missing: expected the name of a link; add it, or"),
+]
+FRICTION = [
+    ("ram = {", "rum = {", "friction.rum: unknown pin, slider or slot 'rum': did you mean 'ram'"),
+    ("= 1.0", "= -1.0", "friction.ram.coefficient: expected a finite coefficient of"),
+    ("ram = {", "A = {", "friction.A: expected radius and coefficient, of a pin, got other keys"),
+    ("= 1.0", "= 1.0, radius = 2", "friction.ram: expected coefficient alone, of a guide, got"),
+]
+OTHERS += [("laden-press", *row) for row in LOADS] + [("locking-slider-crank", *row) for row in FRICTION]
 
 
 @pytest.mark.parametrize(("name", "old", "new", "words"), OTHERS)
 def test_a_fault_that_the_meaning_of_a_file_shows(name, old, new, words):
-    assert words in message_of(text_of(name).replace(old, new))
+    text = (text_of if name in MADE_UP else file_text)(name)
+    assert old in text
+    assert words in message_of(text.replace(old, new, 1))
 
 
 def test_an_unknown_variant():

@@ -9,7 +9,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import parse
 from analytic.dynamics.friction import contacts, reactions
 from analytic.dynamics.reduced import equation_of_motion, near_load_jumps
-from analytic.errors import DescriptionError, LinkproofError
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import evaluate
 from comparisons.motion.case import Case
@@ -19,7 +19,7 @@ from engines.registry import engine
 from engines.scene import Channel
 from tests.analytic.drawn_linkages import draw
 from tests.analytic.fifty_digits import errors_at
-from tests.analytic.linkages import PENDULUM, text_of
+from tests.analytic.linkages import PENDULUM, file_text, text_of
 from tests.engines.closed_form import installed
 
 PHI, SPEED = np.linspace(0.1, 6.3, 91), 7.0
@@ -65,18 +65,7 @@ def test_a_pivot_resists_by_its_radius_and_the_weight_on_it():
         assert found.friction == pytest.approx(np.full(PHI.shape, sign * 19.62 * 0.2 * 0.03), rel=1e-13)
 
 
-LOCKED = """
-title = "locking slider-crank"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-friction = { ram = { coefficient = 1.0 } }
-ground = { O = [0, 0] }
-links.crank.points = { O = [0, 0], A = [50, 0] }
-links.rod.points = { A = [0, 0], D = [100, 0] }
-links.ram = { slides = { point = "D", through = [0, -30], along = [1, 0] } }
-forces = [{ point = "D", link = "ram", force = [100, 0] }]
-sketch = { points = { D = [140, -30] } }
-"""
+LOCKED = file_text("locking-slider-crank")
 
 
 def test_a_self_locking_position_is_named_with_its_angle():
@@ -118,22 +107,3 @@ def test_a_released_crank_with_friction_is_refused():
                 parse(LOCKED.replace("links.crank.points", "links.crank.inertia = 1\nlinks.crank.points"), "x", "x")
             )
         )
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("ram = {", "rum = {", "friction.rum: unknown pin, slider or slot 'rum': did you mean 'ram'?"),
-        (
-            "coefficient = 1.0",
-            "coefficient = -1.0",
-            "friction.ram.coefficient: expected a finite coefficient of",
-        ),
-        ("ram = {", "A = {", "friction.A: expected radius and coefficient, of a pin, got other keys; correct them"),
-        ("= 1.0", "= 1.0, radius = 2", "friction.ram: expected coefficient alone, of a guide, got other keys"),
-    ],
-)
-def test_a_fault_is_told_with_its_cure(old, new, message):
-    with pytest.raises(DescriptionError) as caught:
-        parse(LOCKED.replace(old, new, 1), "locked", "locked.toml")
-    assert message in str(caught.value)

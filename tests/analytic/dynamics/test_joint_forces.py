@@ -71,21 +71,6 @@ def test_slider_crank_carries_a_piston_force_along_its_rod():
     assert np.allclose(result.torque, -force * crank * np.sin(angle + beta) / np.cos(beta), **close)
 
 
-def test_force_on_a_shared_pin_acts_on_the_link_that_is_named():
-    # Three links on pin B, hub 'link'. What pulls at B of one of them shows in that one's joint force and in no other.
-    angle, pull = angles(20), np.array([3.0, -5.0])
-    on_link, on_rocker = (
-        _forces(
-            _without_weight("three-on-one-pin", forces=(PointForce("B", name, _law(*pull)),)).sweep(angle), 0.0, 0.0
-        )
-        for name in ("link", "rocker")
-    )
-    close = {"rtol": 0.0, "atol": FEW_ROUNDINGS * 10.0}
-    for joint in on_link:
-        shift = -pull[:, None] if joint == "B:rocker" else 0.0
-        assert np.allclose(on_rocker[joint], on_link[joint] + shift, **close)
-
-
 def test_spring_whose_ends_meet_pulls_nothing():
     spring = Spring(("D", "D"), ("rod", "piston"), stiffness=500.0, length=0.0, damping=2.0)
     sweep = _without_weight("centric-slider-crank", springs=(spring,)).sweep(angles(20))

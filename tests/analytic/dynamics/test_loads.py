@@ -147,29 +147,6 @@ def test_an_engine_without_such_loads_says_so():
     assert ability_obstacle(model, engine("direct").abilities) is None
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('over = "S"\n', "", "forces #1.travel: expected travel = [...] with over = 'S', angle = [...] without"),
-        ("travel = [0, 30, 80, 95]", "angle = [0, 30, 80, 95]", "forces #1.angle: expected travel = [...]; correct it"),
-        ("travel = [0, 30, 80, 95]", "travel = [0, 80, 30, 95]", "expected increasing travels, got steps of -50 mm"),
-        ('when = "advance"', 'when = "forth"', "forces #1.when: expected 'advance' or 'return': the load acts only"),
-        ('when = "advance"', "period = 720", "period: expected no period of a load over a travel; leave it out"),
-        ("period = 720", "period = 500", "torques #1.period: expected one turn or two, got 1.389 turns"),
-        ("period = 720", "period = 360", "expected increasing angles that span less than one turn"),
-        ('frame = "rod"', 'frame = "rot"', "forces #2.frame: unknown link 'rot': did you mean 'rod'?"),
-        ('["rod", "crank"]', '["rod", "rod"]', "expected the loaded link and another body that takes"),
-        ('["rod", "ground"]', '["ground", "rod"]', "expected a link first, on which the load acts, got 'ground'"),
-        ('between = ["rod", "ground"]\n', "", "torques #1.link is missing: expected the name of a link; add it, or"),
-    ],
-)
-def test_a_fault_is_told_with_its_cure(old, new, message):
-    assert old in EVERY_LOAD
-    with pytest.raises(DescriptionError) as caught:
-        mechanism(EVERY_LOAD.replace(old, new, 1))
-    assert message in str(caught.value)
-
-
 def test_a_load_that_nothing_decides_is_refused():
     with pytest.raises(DescriptionError, match="over: expected an output that a turning crank moves"):
         parse((PRESS + EVERY_LOAD).replace("output", "#"), "press", "press.toml")

@@ -1,5 +1,6 @@
 """Every layout read back: what was written comes out, as sharp as it was printed; and no bytes end in a traceback."""
 
+import re
 import zipfile
 
 import numpy as np
@@ -70,25 +71,53 @@ def test_fixed_decimals_and_scientific_numbers_are_half_a_unit_of_their_last_dig
     np.testing.assert_allclose(read.resolution, [5e-6, 5.0, 5e-6, 5e-4])
 
 
-def test_a_workbook_is_read_sheet_by_sheet(tmp_path):
-    pytest.importorskip("openpyxl")
-    channels = [Channel("Zeit", "s", np.arange(5) * 0.1), Channel("Antriebsmoment", "N*m", np.cos(np.arange(5)))]
-    path = _file(tmp_path, "run.xlsx", layouts.workbook(channels))
-    (signal,) = read_results([path], JUKI).signals
-    np.testing.assert_array_equal(signal.values, np.cos(np.arange(5)))
-    assert (signal.name, signal.column.place) == ("Mkr", f"{path}[curves]:1 (column 2)")
+def _columns(*columns):
+    return [Channel(*column) for column in columns]
 
 
-@pytest.mark.parametrize(("transposed", "kind", "sharp"), [(True, np.float64, 1e-15), (False, np.float32, 1e-6)])
-def test_a_trajectory_of_modelica_is_in_si_units_with_the_digits_of_its_numbers(tmp_path, transposed, kind, sharp):
-    time = np.linspace(0.0, 1.0, 11)
-    channels = [Channel("time", "", time), Channel("crank.phi", "", time**2), Channel("motor.tau", "", np.cos(time))]
-    path = _file(tmp_path, "run.mat", layouts.trajectory(channels, transposed=transposed, kind=kind))
-    angle, torque = read_results([path], JUKI).signals
-    assert (angle.name, torque.name) == ("phi", "Mkr")
-    np.testing.assert_allclose(torque.values, np.cos(time), rtol=sharp)
-    assert np.all(np.abs(torque.values - np.cos(time)) <= torque.rounding)
-    assert np.max(torque.rounding) < sharp
+TIME = np.linspace(0.0, 1.0, 11)
+COS = np.cos(TIME)
+MODELICA = _columns(("time", "", TIME), ("crank.phi", "", TIME**2), ("motor.tau", "", COS))
+ADAMS = _columns(("time", "sec", TIME), ("JOINT_A.FX", "newton", TIME**2), ("MOTION_1.TZ", "newton-millimeter", COS),
+                 ("JOINT_7.FX", "newton", TIME))  # fmt: skip
+TAB = _columns(("Time", "", TIME), ("MOTION_1_TZ", "", COS), ("", "", TIME), ("crank.WZ", "", TIME**2))
+NO_TIME = "expected a unit of time in the header '{}', got none"
+# By layout: the file, what is said of it and the reason why that is needed, its columns, and how sharp they are.
+LAYOUTS = {
+    "run.xlsx": (lambda: layouts.workbook(_columns(("Zeit", "s", TIME), ("Antriebsmoment", "N*m", COS))), (), "",
+                 ["Zeit [s]", "Antriebsmoment [N*m]"], 0.0),
+    "columns.mat": (lambda: layouts.trajectory(MODELICA, transposed=True), (), "",
+                    ["time", "crank.phi", "motor.tau"], 1e-15),
+    "rows.mat": (lambda: layouts.trajectory(MODELICA, transposed=False, kind=np.float32), (), "",
+                 ["time", "crank.phi", "motor.tau"], 1e-6),
+    "arrays.mat": (lambda: layouts.matlab(t=TIME, Mkr=COS[:, None], D=np.zeros((11, 2)), n=3.0),
+                   ("t=time [s]", "Mkr=Mkr [N*m]"), NO_TIME.format("t"), ["t", "Mkr", "D(1)", "D(2)"], 0.0),
+    "run.res": (lambda: layouts.adams_results(ADAMS), (), "",
+                ["TIME", "JOINT_A.FX", "MOTION_1.TZ", "JOINT_7.FX"], 1e-15),
+    "run.tab": (lambda: layouts.adams_table(TAB), ("Time=time [s]", "MOTION_1_TZ=Mkr [N*m]", "crank.WZ="),
+                NO_TIME.format("Time"), ["Time", "MOTION_1_TZ", "crank.WZ"], 1.01e-4),
+    "qq.res": (lambda: layouts.robotran([Channel("", "", TIME), Channel("", "", COS)]),
+               ("column 1=time [s]", "column 2=Mkr [N*m]"), "'column 1' is not judged", ["", ""], 1e-9),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_a_layout_of_a_tool_comes_back_as_sharp_as_it_is_written(tmp_path, name):
+    if name == "run.xlsx":
+        pytest.importorskip("openpyxl")
+    write, said, reason, headers, sharp = LAYOUTS[name]
+    path = _file(tmp_path, name, write())
+    (table,) = result_tables(path)
+    assert [column.header for column in table.columns] == headers
+    if said:
+        with pytest.raises(LinkproofError, match=re.escape(reason)):
+            read_results([path], JUKI)
+    torque = next(signal for signal in read_results([path], JUKI, said).signals if signal.name == "Mkr")
+    assert torque.column.place.startswith(f"{path}[curves]:1 (" if name == "run.xlsx" else str(path))
+    true = COS * (1e-3 if name == "run.res" else 1.0)
+    np.testing.assert_allclose(torque.values, true, rtol=sharp)
+    assert np.all(np.abs(torque.values - true) <= torque.rounding + 1e-16)
+    assert np.max(torque.rounding) <= 1.01e-4
 
 
 def test_a_damaged_matlab_file_is_refused_whatever_its_reader_does(tmp_path):
@@ -115,53 +144,6 @@ def _hungry(_):
 def test_numbers_too_small_to_square_are_zero(tmp_path):
     path = _file(tmp_path, "run.csv", "t [s],x [m]\n0,1e-320\n1,-5e-101\n2,1e-99\n3,1\n")
     assert result_tables(path)[0].columns[1].values.tolist() == [0.0, 0.0, 1e-99, 1.0]
-
-
-def test_arrays_of_matlab_are_columns_by_their_names_and_wait_for_units(tmp_path):
-    time = np.linspace(0.0, 1.0, 11)
-    path = _file(tmp_path, "run.mat", layouts.matlab(t=time, Mkr=np.cos(time)[:, None], D=np.zeros((11, 2)), n=3.0))
-    (table,) = result_tables(path)
-    assert [column.header for column in table.columns] == ["t", "Mkr", "D(1)", "D(2)"]
-    with pytest.raises(LinkproofError, match="expected a unit of time in the header 't', got none"):
-        read_results([path], JUKI)
-
-
-def test_adams_results_say_their_units(tmp_path):
-    time = np.linspace(0.0, 1.0, 6)
-    channels = [
-        Channel("time", "sec", time),
-        Channel("JOINT_A.FX", "newton", np.cos(time)),
-        Channel("MOTION_1.TZ", "newton-millimeter", np.sin(time)),
-        Channel("JOINT_7.FX", "newton", time),
-    ]
-    results = read_results([_file(tmp_path, "run.res", layouts.adams_results(channels))], JUKI)
-    force, torque = results.signals
-    assert (force.name, torque.name) == ("joint_force:A:x", "Mkr")
-    np.testing.assert_allclose(force.values, np.cos(time), rtol=1e-15)
-    np.testing.assert_allclose(torque.values, 1e-3 * np.sin(time), rtol=1e-15)
-    assert [column.header for column, _ in results.not_judged] == ["JOINT_7.FX"]
-
-
-def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
-    time = np.linspace(0.0, 1.0, 6)
-    channels = [Channel("Time", "", time), Channel("MOTION_1_TZ", "", np.cos(time)), Channel("", "", time)]
-    channels.append(Channel("crank.WZ", "", np.sin(time)))
-    path = _file(tmp_path, "run.tab", layouts.adams_table(channels))
-    (table,) = result_tables(path)
-    assert [column.header for column in table.columns] == ["Time", "MOTION_1_TZ", "crank.WZ"]
-    np.testing.assert_allclose(table.columns[2].resolution, 5e-5)
-    with pytest.raises(LinkproofError, match="expected a unit of time in the header 'Time', got none"):
-        read_results([path], JUKI)
-
-
-def test_numbers_without_headers_wait_for_names(tmp_path):
-    time = np.linspace(0.0, 1.0, 6)
-    text = layouts.robotran([Channel("", "", time), Channel("", "", np.cos(time))])
-    path = _file(tmp_path, "invdyn_Qq.res", text)
-    with pytest.raises(LinkproofError, match="'column 1' is not judged"):
-        read_results([path], JUKI)
-    (signal,) = read_results([path], JUKI, ["column 1=time [s]", "column 2=Mkr [N*m]"]).signals
-    np.testing.assert_allclose(signal.values, np.cos(time), atol=1e-9)
 
 
 def test_tables_one_below_another_have_their_own_axes(tmp_path):

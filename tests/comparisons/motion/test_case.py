@@ -15,10 +15,11 @@ from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import usual_case
-from comparisons.motion.case import Case, channel_truth, zero_of_output
+from comparisons.motion.case import Case, zero_of_output
 from comparisons.trials.invariants.checks import checks
 from comparisons.trials.judging.quantities import all_quantities
 from comparisons.trials.judging.records import Error
+from comparisons.trials.judging.signal_errors import signal_errors
 from comparisons.trials.observed_motion import ObservedMotion
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
@@ -33,7 +34,6 @@ MOTIONS = {
     "linear-motor": CrankMotion("there", (Segment(0.0, 0.3, (0.0, 0.1, 1.5, -3.0)),)),
 }
 LINEAR = ("boom", "cylinder-in-the-loop", "linear-motor")
-LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 BLANK = Error("sample", "base", "there", "", "direct", "tuned")
 
 
@@ -102,29 +102,11 @@ def ran(case: Case) -> tuple[Scene, History]:
     return scene, run.history
 
 
-def deviation(case: Case, scene: Scene, history: History) -> float:
-    """Largest deviation of any channel of direct, over its peak."""
-    worst = 0.0
-    for channel in LEVELS:
-        signal = getattr(history, channel.value)
-        for number, body in enumerate(scene.bodies):
-            true = channel_truth(case, channel, body.name, signal.time)[:, : 3 if scene.can_turn(body) else 2]
-            seen = signal.values[:, number, : true.shape[1]]
-            worst = max(worst, float(np.max(np.abs(seen - true)) / np.max(np.abs(true))))
-    for joint, signal in history.joint_force.items():
-        true = channel_truth(case, Channel.JOINT_FORCE, joint, signal.time)
-        worst = max(worst, float(np.max(np.abs(signal.values - true)) / np.max(np.abs(true))))
-    if history.torque and case.is_prescribed:
-        true = channel_truth(case, Channel.TORQUE, "", history.torque.time)
-        worst = max(worst, float(np.max(np.abs(history.torque.values - true)) / np.max(np.abs(true))))
-    return worst
-
-
 @pytest.mark.parametrize("name", MOTIONS)
 def test_direct_agrees_with_a_prescribed_travel(name):
     case = Case(driven(name), MOTIONS[name])
     case.check_motion()
-    assert deviation(case, *ran(case)) < 1e-12
+    assert max(error.largest for error in signal_errors(case, *ran(case))) < 1e-12
 
 
 @pytest.mark.parametrize("name", LINEAR)

@@ -12,11 +12,10 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.trials.campaign import campaign
 from comparisons.trials.campaign.campaign import CampaignRequest
-from comparisons.trials.campaign.results import CURVE_COLUMNS, KINDS, document, save, write_curves
+from comparisons.trials.campaign.results import CURVE_COLUMNS, document, save, write_curves
 from comparisons.trials.campaign.results import load as load_results
 from comparisons.trials.campaign.saved_linkages import described_linkage, linkage_row
 from comparisons.trials.runs.files import STORE
-from comparisons.trials.runs.store import has_study
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion
 
@@ -73,12 +72,6 @@ def test_curves_are_a_table_with_a_row_a_sample_and_every_digit(saved, tmp_path)
     np.testing.assert_array_equal(columns, [time, angle, reference + error, reference])
 
 
-def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
-    save(copy, {**load_results(copy).document, "judgement": ["right"]}, [saved[1]])
-    assert [has_study(copy, kind) for kind in KINDS] == [False, True]
-    assert load_results(copy).document["judgement"] == ["right"]
-
-
 @pytest.mark.parametrize(
     ("damage", "match"),
     [
@@ -93,12 +86,6 @@ def test_a_document_of_another_form_is_refused_by_its_key(saved, tmp_path, damag
     save(tmp_path, {**load_results(folder).document, **damage}, [result])
     with pytest.raises(LinkproofError, match=rf"{match}.*run compare with --out again"):
         load_results(tmp_path)
-
-
-def test_a_campaign_of_failures_can_be_saved(tmp_path):
-    failed = _compared(Run(Outcome.DIVERGED, "ran away"))
-    save(tmp_path, document(REQUEST, "linkproof compare"), [failed])
-    assert load_results(tmp_path).records == failed.errors
 
 
 def test_a_saved_text_with_a_byte_order_mark_is_read_again():

@@ -248,20 +248,26 @@ def test_what_another_hand_has_made_is_refused(folder, change, words):
         read(folder)
 
 
+def old(path):
+    """The folder of a study of an older version."""
+    path.with_name("bench").mkdir()
+    (path.with_name("bench") / "study.json").write_text("{}")
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
-@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero"), lambda path: path.mkdir()])
-def test_what_is_no_file_is_refused(tmp_path, make):
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (os.mkfifo, "remove it first"),
+        (lambda path: path.symlink_to("/dev/zero"), "remove it first"),
+        (lambda path: path.mkdir(), "expected the folder given to bench --out"),
+        (lambda path: None, "expected the folder given to bench --out"),
+        (old, "an older version of linkproof: run bench with --out again, into a new"),
+    ],
+)
+def test_what_is_no_study_is_refused_with_the_cure(tmp_path, make, words):
     make(tmp_path / STORE)
-    with pytest.raises(LinkproofError, match=r"remove it first|expected the folder given to bench"):
-        read(tmp_path)
-
-
-def test_an_empty_folder_and_an_older_versions_are_refused_with_the_cure(tmp_path):
-    with pytest.raises(LinkproofError, match="expected the folder given to bench --out"):
-        read(tmp_path)
-    (tmp_path / "bench").mkdir()
-    (tmp_path / "bench" / "study.json").write_text("{}")
-    with pytest.raises(LinkproofError, match="an older version of linkproof: run bench with --out again, into a new"):
+    with pytest.raises(LinkproofError, match=words):
         read(tmp_path)
 
 

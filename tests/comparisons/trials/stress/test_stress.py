@@ -262,34 +262,6 @@ def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_
     assert heard[-1][1] == heard[-1][2] == len(found.cells)
 
 
-def test_what_was_finished_before_an_interruption_is_not_run_again(with_engine):
-    def interrupt(_, done, known):
-        if done == 2:
-            raise KeyboardInterrupt
-
-    first, finished = with_engine(Perfect()), temporary_runs()
-    with pytest.raises(KeyboardInterrupt):
-        stress_test(quick=True, announce=interrupt, finished=finished)
-    second = with_engine(Perfect())
-    found = stress_test(quick=True, finished=finished)
-    assert (len(first.asked), len(second.asked)) == (2, 1)
-    assert {one.value for one in found.cells} == {*axes()["mass"].quick}
-
-
-def test_an_engine_that_raises_costs_its_own_cell(with_engine):
-    class Faulty(Perfect):
-        def run(self, scene, setting):
-            if max(body.mass for body in scene.bodies) > 15.0:
-                raise RuntimeError("singular")
-            return super().run(scene, setting)
-
-    with_engine(Faulty())
-    found = {one.value: one for one in stress_test(quick=True).cells}
-    assert found[1.0].verdict is StressVerdict.WITHIN
-    assert found[1e4].verdict is StressVerdict.ADAPTER_ERROR
-    assert "RuntimeError: singular (tests/comparisons/trials/stress/test_stress.py, line " in found[1e4].reason
-
-
 def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, monkeypatch):
     engine = with_engine(Perfect())
 

@@ -16,7 +16,7 @@ from analytic.description.loading import load
 from analytic.dynamics.reduced import drive_torque
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.motion.case import Case
-from comparisons.trials.runs.run_engine import AdapterError, Failure, Lost
+from comparisons.trials.runs.run_engine import AdapterError
 from comparisons.trials.runs.store import begin
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.work_precision import measure as point
@@ -33,7 +33,7 @@ from comparisons.trials.work_precision.study import (
     blank_run,
     planned_sweeps,
 )
-from comparisons.trials.work_precision.table import SETTING, has_floor, sweeps
+from comparisons.trials.work_precision.table import has_floor, sweeps
 from engines.contract import Abilities, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
@@ -318,21 +318,6 @@ def test_a_method_that_raises_costs_its_own_points(measured):
         in broken[0].detail
     )
     assert broken[0].ended.startswith("adapter-error")
-
-
-def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
-    run = LocalPool.run
-
-    def dying(pool, function, jobs, *args, **words):
-        for number, job in enumerate(jobs):
-            dies = job[1] is Setting.BEST
-            died = Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)")
-            yield number, died if dies else next(run(pool, function, [job], *args, **words))[1]
-
-    monkeypatch.setattr(LocalPool, "run", dying)
-    found = {one.setting: one for one in bench(REQUEST).points if one.kind == SETTING}
-    assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
-    assert found["tuned"].outcome == "finished"
 
 
 def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_path):
