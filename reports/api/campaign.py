@@ -2,44 +2,59 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
+import shlex
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, known_names, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable, symbol
+from comparisons.motion.case import Case
 from comparisons.trials.campaign.campaign import CampaignRequest, each_case, tasks
 from comparisons.trials.campaign.campaign import compare as run_campaign
-from comparisons.trials.campaign.results import CampaignResults, document, judgement, save
+from comparisons.trials.campaign.results import CampaignResults, checksum, document, judgement
 from comparisons.trials.campaign.results import load as load_results
 from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.exported_run import exported
 from comparisons.trials.judging.changes import Change, read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
+from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
+from comparisons.trials.judging.quantities import check_defined
 from comparisons.trials.judging.records import Error
 from comparisons.trials.runs.cluster import DaskPool
+from comparisons.trials.runs.environment import INCIDENTAL, environment
 from comparisons.trials.runs.files import write_file
 from comparisons.trials.runs.plugins import engines as adapters
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, RunBounds
+from comparisons.trials.runs.store import Runs, begin
 from comparisons.trials.runs.workers import LocalPool, most_processes
+from comparisons.trials.stress.campaign import Stress, make_cells
+from comparisons.trials.stress.campaign import stress as make_maps
+from comparisons.trials.stress.cells import cells, chosen_axes, find_cell
+from comparisons.trials.work_precision.measure import JOINTS, chosen_families
+from comparisons.trials.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
+from comparisons.trials.work_precision.study import bench as measure_all
+from comparisons.trials.work_precision.table import Bench
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
-from reports.api.folders import stored_runs
 from reports.api.linkages import linkage_file, word_of
 from reports.api.motions import EVERYTHING, requested_motions
+from reports.api.options import Announce, LinkageLike, Motion, changed, command_line, words
 from reports.api.options import Bounds as Asked
-from reports.api.options import LinkageLike, Motion, words
 from reports.document.study import check_file
+from reports.document.terminal import show
 from reports.records import CONCURRENT_RUNS
-from reports.studies.trials import Comparison, Script
+from reports.studies.trials import Benchmark, Comparison, Script, StabilityMaps, Trials
 
+Kept = TypeVar("Kept", bound=Trials)
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
 
@@ -157,25 +172,8 @@ def request(
 # The worker processes of runs, and the time and memory that each may use.
 
 
-@dataclass(frozen=True)
-class RunResources:
-    """The ``bounds`` of each run, and the number of worker ``processes``."""
-
-    bounds: RunBounds
-    processes: int
-    scheduler: str | None = None
-
-    @property
-    def pool(self) -> LocalPool | DaskPool:
-        """The worker processes, of this machine or of a Dask scheduler, for list after list of runs."""
-        return LocalPool(self.processes, lasts=True) if self.scheduler is None else DaskPool(self.scheduler)
-
-
-def run_resources(bounds: Asked) -> RunResources:
-    """The bounds and the worker processes of runs; raises LinkproofError for bad input.
-
-    By default there are as many worker processes as cores; a single run has a process of its own, too.
-    """
+def run_bounds(bounds: Asked) -> RunBounds:
+    """The time and memory of each run; raises LinkproofError for bad input, also for wrong processes."""
     for option, value, unit in (
         ("--time-limit", bounds.time_limit, "s"),
         ("--memory-limit", bounds.memory_limit, "GiB"),
@@ -188,13 +186,88 @@ def run_resources(bounds: Asked) -> RunResources:
             )
     if bounds.jobs is not None and bounds.jobs < 0:
         raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {bounds.jobs}")
-    seconds = DEFAULT_BOUNDS.seconds if bounds.time_limit is None else bounds.time_limit
-    memory = DEFAULT_BOUNDS.memory if bounds.memory_limit is None else round(bounds.memory_limit * GIB)
     if bounds.scheduler is not None and bounds.jobs is not None:
         raise LinkproofError("--jobs is about this machine, --scheduler about others: leave one of the two out")
-    return RunResources(
-        RunBounds(seconds, memory), most_processes() if bounds.jobs is None else bounds.jobs, bounds.scheduler
-    )
+    seconds = DEFAULT_BOUNDS.seconds if bounds.time_limit is None else bounds.time_limit
+    memory = DEFAULT_BOUNDS.memory if bounds.memory_limit is None else round(bounds.memory_limit * GIB)
+    return RunBounds(seconds, memory)
+
+
+def processes(bounds: Asked) -> int:
+    """The number of worker processes on this machine: by default one per core, for a single run, too."""
+    return most_processes() if bounds.jobs is None else bounds.jobs
+
+
+def worker_pool(bounds: Asked) -> LocalPool | DaskPool:
+    """The worker processes, of this machine or of a Dask scheduler, for list after list of runs."""
+    return LocalPool(processes(bounds), lasts=True) if bounds.scheduler is None else DaskPool(bounds.scheduler)
+
+
+# A study of runs: each run is kept in the folder of ``--out`` as soon as it is made.
+
+
+def kept(
+    kind: type[Kept],
+    make: Callable[[Runs | None, Announce], Any],
+    function: Callable[..., Any],
+    given: Mapping[str, Any],
+    *,
+    engines: Sequence[str],
+    linkages: Iterable[Linkage] = (),
+    without: Sequence[str] = (),
+) -> Kept:
+    """The study of the results that ``make`` makes for a call of ``function``, with the runs that are finished already.
+
+    ``given`` are the arguments of the call. Its folder keeps every run, and at last the study. Ctrl-C raises
+    KeyboardInterrupt with the number of runs in the folder, and the command that finishes them. Options ``without`` a
+    part in what is run may differ from those of the call that began them.
+    """
+    folder, remark = given["out"], "" if given["engine"] else missing_engines(engines)
+    number = total = 0
+
+    def announce(label: str, begun: int, count: int) -> None:
+        """Pass an announcement on and remember its numbers for the message on Ctrl-C."""
+        nonlocal number, total
+        number, total = begun, count
+        given["announce"](label, begun, count)
+
+    if folder is None:
+        return kind(make(None, announce), remark=remark)
+    finished = _finished_runs(function, given, engines, linkages, without)
+    try:
+        kind(make(finished, announce)).store(folder)
+    except KeyboardInterrupt as interrupt:
+        if not total:
+            raise
+        raise KeyboardInterrupt(
+            f"{number} of {total} runs are saved in {folder}: repeat the command, or linkproof {function.__name__} "
+            f"--out {shlex.quote(str(folder))}, to finish"
+        ) from interrupt
+    finished.clear()
+    return replace(kind.load(folder), remark=remark)
+
+
+def _finished_runs(
+    function: Callable[..., Any],
+    given: Mapping[str, Any],
+    engines: Iterable[str],
+    linkages: Iterable[Linkage],
+    without: Sequence[str],
+) -> Runs:
+    """The finished runs of the same request; those of another one are removed.
+
+    Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
+    engines are equal.
+    """
+    facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
+    facts |= {f"engine {each.name}": each.version() or "not installed" for each in adapters(engines)}
+    facts |= {f"file of {linkage.name}": checksum(linkage.text) for linkage in linkages}
+    request = [command_line(function, given, without), *(f"{name} {value}" for name, value in facts.items())]
+    arguments = json.dumps([function.__name__, changed(function, given)], default=str)
+    finished, other = begin(given["out"], "\n".join(request), arguments)
+    if other:
+        show(f"what was unfinished in '{given['out']}' was another request ({other}): it is begun anew", stderr=True)
+    return finished
 
 
 # ``compare``: its runs, limits of the user's own, and earlier results.
@@ -231,36 +304,34 @@ def _regimes(file: LinkageFile) -> list[str]:
     return []
 
 
-def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen, command: str) -> Comparison:
+def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen) -> Comparison:
     """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
 
-    ``command`` repeats it. Raises LinkproofError for bad input before any run.
+    Raises LinkproofError for bad input before any run.
     """
-    motion, folder, resources = given["motion"], given["out"], run_resources(given["bounds"])
+    motion, bounds, command = given["motion"], run_bounds(given["bounds"]), command_line(function, given)
     asked = request(chosen.linkages, motion, given["engine"], given["setting"], given["quantity"])
-    limits, todo = chosen_limits(chosen.files, given["limits"]), tasks(asked)
+    limits, todo, most = chosen_limits(chosen.files, given["limits"]), tasks(asked), processes(given["bounds"])
     before = None if given["against"] is None else rows_before(given["against"])
     every_variant = motion.variant is None and motion.gravity  # figures are those of all
-    others = ("bounds", "limits", "against")
-    with stored_runs(function, given, asked.engines, asked.linkages, others) as (finished, announce):
-        with closing(resources.pool) as pool:
-            runs = run_campaign(
-                asked, announce, bounds=resources.bounds, pool=pool, finished=finished, todo=todo, limits=limits
-            )
-        figures, changed = closed_form(asked, every_variant=every_variant), tuple[Change, ...]()
+
+    def make(finished: Runs | None, announce: Announce) -> CampaignResults:
+        """The runs with their verdicts, and what has changed."""
+        with closing(worker_pool(given["bounds"])) as pool:
+            runs = run_campaign(asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=limits)
+        figures, changes = closed_form(asked, every_variant=every_variant), tuple[Change, ...]()
         if before is not None:
             rows = (*(error for run in runs for error in run.every), *figures)
-            changed = changes_since(before, rows, asked, every_variant=every_variant)
+            changes = changes_since(before, rows, asked, every_variant=every_variant)
         readouts = {engine.name: engine.abilities.as_dict() for engine in adapters(asked.engines)}
-        table = document(asked, command + (" --out DIR" if folder else ""), readouts)
-        if min(resources.processes, len(runs)) > 1:
-            table["environment"][CONCURRENT_RUNS] = str(min(resources.processes, len(runs)))
-        table |= judgement(limits, figures, changed)
-        if folder is not None:
-            save(folder, table, runs)
-    remark = "" if given["engine"] else missing_engines(asked.engines)
-    result = Comparison(CampaignResults(table, runs)) if folder is None else Comparison.load(folder)
-    return replace(result, processes=resources.processes, remark=remark)
+        table = document(asked, command + (" --out DIR" if given["out"] else ""), readouts)
+        if min(most, len(runs)) > 1:
+            table["environment"][CONCURRENT_RUNS] = str(min(most, len(runs)))
+        return CampaignResults(table | judgement(limits, figures, changes), runs)
+
+    others, linkages = ("bounds", "limits", "against"), asked.linkages
+    result = kept(Comparison, make, function, given, engines=asked.engines, linkages=linkages, without=others)
+    return replace(result, processes=most)
 
 
 def script(asked: CampaignRequest, file: Path, command: str) -> Script:
@@ -282,3 +353,90 @@ def script(asked: CampaignRequest, file: Path, command: str) -> Script:
         )
     write_file(file, exported(cases[0], asked.engines[0], settings[0], command))
     return Script(CampaignResults(document(asked, command), ()), written=(file,))
+
+
+# ``bench``: each quantity is checked before any run.
+
+REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
+
+
+def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: Sequence[Linkage]) -> Benchmark:
+    """Make the measurements that a call of ``function`` asks for; its folder keeps the runs."""
+    runs = request(linkages, usual_motion(given["motion"], quick=given["quick"]), given["engine"])
+    cases, extent = tuple(each_case(runs)), QUICK if given["quick"] else FULL
+    quantities = measured_quantities(cases, given["quantity"])
+
+    def make(finished: Runs | None, announce: Announce) -> Bench:
+        """The measurements, one run at a time."""
+        with closing(LocalPool(1, lasts=True)) as pool:
+            command = command_line(function, given)
+            asked = BenchRequest(cases, runs.engines, quantities, extent=extent, pool=pool, command=command)
+            return measure_all(asked, announce, finished)
+
+    return kept(Benchmark, make, function, given, engines=runs.engines, linkages=linkages)
+
+
+def usual_motion(motion: Motion, *, quick: bool) -> Motion:
+    """The motion, with the default regimes if it names none.
+
+    A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
+    """
+    usual = () if motion.swings else QUICK_REGIMES if quick else REGIMES
+    motion = replace(motion, regime=motion.regime or usual)
+    if quick and not motion.is_timed and motion.rpm and not motion.swings:
+        turn = 60.0 / abs(motion.rpm)
+        motion = replace(motion, ramp_time=turn, hold_time=0.5 * turn)
+    return motion
+
+
+def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[str, ...]:
+    """The quantities to measure; raises LinkproofError for one that a case does not have."""
+    quantities = tuple(dict.fromkeys(map(symbol, named))) or QUANTITIES
+    for name in quantities:
+        if name not in (*COMPARED, JOINTS):
+            raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
+    for case in cases:
+        groups = chosen_families(case, quantities)
+        if not groups:
+            raise LinkproofError(
+                f"none of {', '.join(quantities)} is a result of '{case.mechanism.linkage.name}' in regime "
+                f"'{case.motion.regime}': ask for another quantity, or leave the regime out"
+            )
+        check_defined(case, [quantity for family in groups.values() for quantity in family])
+    return quantities
+
+
+# ``stress``: maps, or single cells.
+
+
+def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> StabilityMaps:
+    """Make the maps, or the single cells, that the call of a ``function`` asks for; its folder keeps the runs.
+
+    Raises LinkproofError for bad input before any run.
+    """
+    if given["jobs"] is not None and given["jobs"] < 1:
+        raise LinkproofError(
+            f"--jobs: expected 1 or more worker processes, got {given['jobs']}; a cell may not run without one"
+        )
+    bounds, words, quick = Asked(jobs=given["jobs"], scheduler=given["scheduler"]), given["words"], given["quick"]
+    run_bounds(bounds)
+    command, named = command_line(function, given), [word for word in words if "/" in word]
+    if named:
+        if len(named) < len(words):
+            raise LinkproofError(
+                "expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind"
+            )
+        if given["out"] is not None:
+            raise LinkproofError("--out takes whole maps: name axes, or leave it out")
+        with closing(worker_pool(bounds)) as pool:
+            made = make_cells([find_cell(name) for name in named], pool)
+        return StabilityMaps(Stress({"command": command, "environment": {}, "quick": False}, made), are_cells=True)
+    axes, engines = chosen_axes(words), requested_engines(given["engine"])
+    chosen = cells(axes, engines, given["setting"], quick=quick)
+
+    def make(finished: Runs | None, announce: Announce) -> Stress:
+        """The maps of the chosen cells."""
+        with closing(worker_pool(bounds)) as pool:
+            return make_maps(chosen, command, quick=quick, announce=announce, finished=finished, pool=pool)
+
+    return replace(kept(StabilityMaps, make, function, given, engines=engines), processes=processes(bounds))

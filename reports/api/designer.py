@@ -73,7 +73,7 @@ def mechanisms(
 
 @checked
 def new(
-    name: Annotated[str, Argument("NAME", is_required=True)],
+    name: Annotated[str, Argument("NAME")],
     *,
     like: Annotated[
         LinkageLike | None,
@@ -216,7 +216,7 @@ def sweep(
     *,
     table: Annotated[
         "str | Path | Mapping[str, Any] | None",
-        Option("Designs one by one: columns rod.B.x or rod.B.x [mm].", "CSV", reads="the table"),
+        Option("Designs one by one: columns rod.B.x or rod.B.x [mm].", "CSV"),
     ] = None,
     scale_mass: ScaleMass = False,
     refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False,
@@ -317,9 +317,7 @@ def optimise(
 @checked
 def tolerance(
     mechanism: Mechanism,
-    tolerances: Annotated[
-        "str | Path | Mapping[str, Any]", Argument("TOLERANCES.toml", is_required=True, reads="the tolerances")
-    ],
+    tolerances: Annotated["str | Path | Mapping[str, Any]", Argument("TOLERANCES.toml")],
     results: Words | None = None,
     motion: SteadyMotion = STILL,
     *,
@@ -362,7 +360,7 @@ def tolerance(
 @checked
 def judge(
     mechanism: Mechanism,
-    results: Annotated[str | Path | Sequence[str | Path], Argument("RESULTS", is_required=True, reads="'{}'")],
+    results: Annotated[str | Path | Sequence[str | Path], Argument("RESULTS")],
     motion: Motion = USUAL,
     *,
     map: Annotated[

@@ -10,7 +10,7 @@ import inspect
 import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, fields, is_dataclass, replace
+from dataclasses import Field, dataclass, fields, is_dataclass
 from functools import cache, wraps
 from numbers import Integral, Real
 from pathlib import Path
@@ -64,28 +64,26 @@ class Option:
     flags: tuple[str, ...] = ()
     names: str = ""
     affects_results: bool = True
-    reads: str = ""
 
 
 @dataclass(frozen=True)
 class Argument:
-    """A positional argument of a command; the help of the command explains it.
-
-    ``reads`` says what a file is that it names, and that no output may replace.
-    """
+    """A positional argument of a command; the help of the command explains it."""
 
     metavar: str
     names: str = ""
-    is_required: bool = False
-    reads: str = ""
 
 
 class DeclaredOption(NamedTuple):
-    """A field, or a parameter, that is an option or an argument, with the type of its value."""
+    """A parameter, or a field of a parameter's dataclass, that is an option or an argument, with its value's type.
+
+    ``group`` is the name of the parameter whose dataclass has the field, "" without one.
+    """
 
     field: Field[Any] | inspect.Parameter
     kind: Any
     info: Option | Argument
+    group: str = ""
 
     @property
     def name(self) -> str:
@@ -95,26 +93,35 @@ class DeclaredOption(NamedTuple):
 
 
 def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The options and arguments of a dataclass or a function, in order, without those of a function's dataclasses."""
+    """The options and arguments of a function, those of its dataclasses last; or those of a dataclass; in order."""
     return _declared_options(source)
 
 
 @cache
 def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The annotated fields of a dataclass, or parameters of a function, as options."""
+    """The annotated parameters of a function and fields of dataclasses as options."""
     if is_dataclass(source):
         hints = get_type_hints(source, include_extras=True)
         annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
     else:
         annotated = [(each, each.annotation) for each in inspect.signature(source).parameters.values()]
-    chosen = [(field, hint) for field, hint in annotated if get_origin(hint) is Annotated]
-    return tuple(DeclaredOption(field, *get_args(hint)) for field, hint in chosen)
+    own = [DeclaredOption(field, *get_args(hint)) for field, hint in annotated if get_origin(hint) is Annotated]
+    groups = {} if is_dataclass(source) else option_groups(source)
+    return (*own, *(each._replace(group=name) for name, kind in groups.items() for each in _declared_options(kind)))
 
 
 def option_groups(function: Callable[..., Any]) -> dict[str, type]:
     """The dataclasses of options among a function's defaults, by the name of the parameter."""
     parameters = inspect.signature(function).parameters.values()
     return {each.name: type(each.default) for each in parameters if is_dataclass(type(each.default))}
+
+
+def arguments(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of a call, from the value of every option by its field's name."""
+    given: dict[str, dict[str, Any]] = {"": {}}
+    for option in declared_options(function):
+        given.setdefault(option.group, {})[option.field.name] = option_value(option, values[option.field.name])
+    return given[""] | {name: kind(**given[name]) for name, kind in option_groups(function).items()}
 
 
 def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
@@ -132,7 +139,7 @@ UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check every annotated argument of a call, and give the function one form: names in tuples, paths as paths."""
     signature, groups = inspect.signature(function), option_groups(function)
-    options = {option.field.name: option for option in declared_options(function)}
+    options = {option.field.name: option for option in declared_options(function) if not option.group}
 
     @wraps(function)
     def called(*args: P.args, **words: P.kwargs) -> R:
@@ -212,7 +219,7 @@ def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
     return tuple(numbers)
 
 
-# The command that repeats a call, and a call in the form in which a folder keeps it.
+# The command that repeats a call, and the options of a call that a folder keeps.
 
 
 def command_line(function: Callable[..., Any], given: Mapping[str, Any], without: Sequence[str] = ()) -> str:
@@ -220,68 +227,53 @@ def command_line(function: Callable[..., Any], given: Mapping[str, Any], without
 
     ``given`` are the arguments of the function by name; groups and options ``without`` are left out.
     """
-    pairs = [(option, value) for option, value, group in _options_with_values(function, given) if group not in without]
-    pairs = [(option, value) for option, value in pairs if option.field.name not in without]
-    arguments = [str(word) for o, value in pairs if isinstance(o.info, Argument) for word in _values_of(value)]
-    changed = {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
-    return shlex.join(["linkproof", function.__name__, *arguments, *_option_words(changed)])
+    return shlex.join(["linkproof", function.__name__, *option_words(function, changed(function, given, without))])
 
 
-def _option_words(changed: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Changed options as words of a command: those with values first, then the flags."""
-    valued = [word for name, values in changed.items() for value in values for word in (f"--{name}", value)]
-    return [*valued, *(f"--{name}" for name, values in changed.items() if not values)]
+def option_words(source: Any, values: Mapping[str, Any]) -> list[str]:  # noqa: ANN401 - a dataclass or a function
+    """Options' ``values``, by the names of their fields, as words of a command."""
+    words: tuple[list[str], list[str], list[str]] = ([], [], [])  # arguments, options with values, flags
+    for option in declared_options(source):
+        value = values.get(option.field.name)
+        if isinstance(option.info, Argument):
+            words[0].extend(map(str, _values_of(value)))
+        elif isinstance(value, bool):
+            words[2].append(f"--{option.name}")
+        else:
+            words[1].extend(word for typed in _typed(option, value) for word in (f"--{option.name}", typed))
+    return [word for part in words for word in part]
 
 
-def _options_with_values(
-    function: Callable[..., Any], given: Mapping[str, Any]
-) -> Iterator[tuple[DeclaredOption, Any, str]]:
-    """Each option of a function, its value, and the name of its group, "" for one without a group."""
-    for option in declared_options(function):
-        yield option, given[option.field.name], ""
-    for group, kind in option_groups(function).items():
-        for option in declared_options(kind):
-            yield option, getattr(given[group], option.field.name), group
+def changed(source: Any, given: Mapping[str, Any], without: Sequence[str] = ()) -> dict[str, Any]:  # noqa: ANN401
+    """The options of a function or a dataclass that affect results and differ from their defaults, by field's name.
+
+    ``given`` are the arguments or fields by name; groups and options ``without`` are left out.
+    """
+    return {
+        option.field.name: value
+        for option, value in _options_with_values(source, given)
+        if value != option.field.default
+        and (isinstance(option.info, Argument) or option.info.affects_results)
+        and not {option.group, option.field.name} & {*without}
+    }
 
 
-def _is_changed(option: DeclaredOption, value: Any) -> bool:  # noqa: ANN401 - of any option
-    """Whether an option's value differs from its default, and affects the results."""
-    return isinstance(option.info, Option) and option.info.affects_results and value != option.field.default
+def with_values(function: Callable[..., Any], given: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of a call, ``given`` by name, with other ``values`` of some options, by their fields' names."""
+    every = {option.field.name: value for option, value in _options_with_values(function, given)}
+    arguments_given = {name: given[name] for name in inspect.signature(function).parameters}
+    return arguments_given | arguments(function, {**every, **values})
 
 
-def changed_options(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
-    """Options that differ from their defaults and affect the results, by name, each with its words as typed."""
-    pairs = ((option, getattr(options, option.field.name)) for option in declared_options(type(options)))
-    return {option.name: _typed(option, value) for option, value in pairs if _is_changed(option, value)}
-
-
-def option_words(options: Any) -> list[str]:  # noqa: ANN401 - a dataclass
-    """The changed options as words of a command."""
-    return _option_words(changed_options(options))
-
-
-def changed_arguments(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments, and options that affect the results, that differ from their defaults; those of groups by group."""
-    changed: dict[str, Any] = {}
-    for option, value, group in _options_with_values(function, given):
-        if value != option.field.default and (isinstance(option.info, Argument) or option.info.affects_results):
-            (changed.setdefault(group, {}) if group else changed)[option.field.name] = value
-    return changed
-
-
-def with_arguments(
-    function: Callable[..., Any], given: Mapping[str, Any], changed: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The arguments of a call, those in ``changed`` replaced; ``changed`` as from ``changed_arguments``."""
-    groups = {name: replace(given[name], **changed.get(name, {})) for name in option_groups(function)}
-    own = {option.field.name for option in declared_options(function)}
-    return {**given, **{name: value for name, value in changed.items() if name in own}, **groups}
+def _options_with_values(source: Any, given: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any]]:  # noqa: ANN401
+    """Each option of a function or a dataclass, with its value."""
+    for option in declared_options(source):
+        holder = vars(given[option.group]) if option.group else given
+        yield option, holder[option.field.name]
 
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
-    """An option's value as words of a command; no word for a flag."""
-    if isinstance(value, bool):
-        return ()
+    """An option's value as words of a command."""
     if isinstance(value, Mapping):
         return tuple(range_word(*pair) for pair in value.items())
     typed = tuple(map(typed_word, _values_of(value)))
@@ -311,31 +303,15 @@ def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
 
 OUT = Option("Write records, curves and pages into this folder.", "DIR", affects_results=False)
 Out = Annotated[str | Path | None, OUT]
-Json = Annotated[bool, Option("Print JSON on stdout in place of the tables.")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class OutputOptions:
     """``json`` is printed in place of everything else; ``out`` is a folder for all files of a command.
 
-    ``save`` has single files, each in the format of its suffix. ``quiet`` prints no progress and no tables, ``verbose``
-    adds the details of every record.
-    """
-
-    out: Annotated[Path | None, OUT] = None
-    save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
-    json: Json = False
-    quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
-    opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False
-    verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class ResultsFiles:
-    """The form of the files of ``linkproof results``.
-
-    ``decimal`` is the point or comma in the numbers of a CSV file, ``figure`` the single picture to draw instead of
-    all.
+    ``save`` has single files, each in the format of its suffix: ``decimal`` is the point or comma in the numbers of a
+    CSV file, ``figure`` the single picture to draw instead of all. ``quiet`` prints no progress and no tables,
+    ``verbose`` adds the details of every record.
     """
 
     decimal: Annotated[str, Option("Decimal mark of a .csv; with a comma, semicolons between columns.", ".|,")] = "."
@@ -347,18 +323,12 @@ class ResultsFiles:
             "NAME",
         ),
     ] = None
-
-    def check(self, output: OutputOptions) -> None:
-        """Raise LinkproofError for a wrong --decimal, and for --decimal or --figure without a file that takes it."""
-        suffixes = {file.suffix.lower() for file in output.save}
-        if self.decimal not in {".", ","}:
-            raise LinkproofError(
-                f"--decimal: expected . or , in the numbers of a .csv, got '{self.decimal}'; correct it"
-            )
-        if self.decimal == "," and ".csv" not in suffixes:
-            raise LinkproofError("--decimal belongs to a table, and none is written: name a file with --save FILE.csv")
-        if self.figure is not None and not suffixes & {".svg", ".png", ".pdf"}:
-            raise LinkproofError("--figure needs a file: name a .svg, .png or .pdf with --save")
+    out: Annotated[Path | None, OUT] = None
+    save: Annotated[tuple[Path, ...], Option("Write a file in the format of its suffix; repeatable.", "FILE")] = ()
+    json: Annotated[bool, Option("Print JSON on stdout in place of the tables.")] = False
+    quiet: Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))] = False
+    opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False
+    verbose: Annotated[bool, Option("Add the details of every record.", flags=("-v", "--verbose"))] = False
 
 
 # The motion of the crank: options of every command that moves a linkage.
@@ -366,8 +336,8 @@ class ResultsFiles:
 USUAL_SPEED = 1000.0  # rpm
 TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: no swing has them
 
-Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms", is_required=True, reads="the linkage's file")]
-Mechanisms = Annotated[LinkageLike | Sequence[LinkageLike], Argument("MECHANISM", "mechanisms", reads="'{}'")]
+Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms")]
+Mechanisms = Annotated[LinkageLike | Sequence[LinkageLike], Argument("MECHANISM", "mechanisms")]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
 Speed = Annotated[
     float | None,

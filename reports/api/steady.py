@@ -30,7 +30,7 @@ from comparisons.designer.sweep import (
     usual_figures,
 )
 from reports.api.motions import requested_case
-from reports.api.options import Ranges, SteadyMotion, option_words, range_word
+from reports.api.options import Motion, Ranges, SteadyMotion, changed, option_words, range_word
 
 
 def steady_case(
@@ -91,4 +91,4 @@ def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
     if SPEED in best.after:
         unit = best.problem.case.linkage.phi.speed_unit
         same = replace(same, speed=math.copysign(float(f"{best.after[SPEED] / unit.size:.15g}"), same.rpm))
-    return tuple(option_words(same))
+    return tuple(option_words(Motion, changed(Motion, vars(same))))

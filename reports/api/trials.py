@@ -1,11 +1,11 @@
 """What someone who writes or chooses an engine asks: signatures are the options of the command line."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from analytic.errors import LinkproofError, shortened
-from reports.api.folders import own_study
 from reports.api.options import (
     Announce,
     Argument,
@@ -16,9 +16,11 @@ from reports.api.options import (
     Option,
     Out,
     Scheduler,
+    changed,
     checked,
     command_line,
     silent,
+    with_values,
 )
 
 if TYPE_CHECKING:
@@ -156,28 +158,26 @@ def compare(
     >>> linkproof.compare("juki-mf7923d", engine="direct", quantity="torque", bounds=here).check().records[0].outcome
     'passed'
     """
-    is_finished, begun = own_study(compare, locals())
-    if begun is not None:
-        return compare(**begun)
-    if bounds.jobs != 0 and not is_finished and script is None:
+    from reports.studies.trials import check_files
+
+    check_files(record, junit)
+    kept: Comparison | None = own_study(compare, {**locals(), "record": None, "junit": None}, "Comparison")
+    if kept is not None:
+        return kept.with_files(record, junit)
+    if bounds.jobs != 0 and script is None:
         start_workers("comparisons.trials.campaign.campaign")
     from reports.api import campaign
-    from reports.studies.trials import Comparison, check_files
 
     if script is not None and (any((quantity, limits, against, record, junit, out)) or bounds != UNBOUNDED):
         raise LinkproofError(
             "--script runs nothing: leave out every option but those of the engine, setting and motion"
         )
-    check_files(record, junit)
-    if is_finished and out is not None:
-        return Comparison.load(out).with_files(record, junit)
     chosen = campaign.chosen_linkages(mechanisms, motion)
     mechanisms = chosen.words
     if script is not None:
         request = campaign.request(chosen.linkages, motion, engine, setting)
         return campaign.script(request, Path(script), command_line(compare, locals()))
-    result = campaign.comparison(compare, locals(), chosen, command_line(compare, locals()))
-    return result.with_files(record, junit)
+    return campaign.comparison(compare, locals(), chosen).with_files(record, junit)
 
 
 @checked
@@ -207,19 +207,14 @@ def bench(
     >>> linkproof.bench("juki-mf7923d", engine="direct", quick=True).to_pandas()["engine"].unique().tolist()
     ['direct']
     """
-    is_finished, begun = own_study(bench, locals())
-    if begun is not None:
-        return bench(**begun)
-    if not is_finished:
-        start_workers("comparisons.trials.work_precision.measure")
-    from reports.api.bench import benchmark
-    from reports.api.campaign import chosen_linkages
-    from reports.studies.trials import Benchmark
+    kept: Benchmark | None = own_study(bench, locals(), "Benchmark")
+    if kept is not None:
+        return kept
+    start_workers("comparisons.trials.work_precision.measure")
+    from reports.api.campaign import benchmark, chosen_linkages
 
-    if is_finished and out is not None:
-        return Benchmark.load(out)
     linkages, _, mechanisms = chosen_linkages(mechanisms, motion)
-    return benchmark(bench, locals(), linkages, command_line(bench, locals()))
+    return benchmark(bench, locals(), linkages)
 
 
 @checked
@@ -250,17 +245,38 @@ def stress(
     >>> linkproof.stress("start/positions/1e-08/direct/tuned")
     <StabilityMaps: 1 cells: 1 within limit>
     """
-    is_finished, begun = own_study(stress, locals())
-    if begun is not None:
-        return stress(**begun)
-    if not is_finished:
-        start_workers("comparisons.trials.stress.cells")
-    from reports.api.stress import stability_maps
-    from reports.studies.trials import StabilityMaps
+    kept: StabilityMaps | None = own_study(stress, locals(), "StabilityMaps")
+    if kept is not None:
+        return kept
+    start_workers("comparisons.trials.stress.cells")
+    from reports.api.campaign import stability_maps
 
-    if is_finished and out is not None:
-        return StabilityMaps.load(out)
-    return stability_maps(stress, locals(), command_line(stress, locals()))
+    return stability_maps(stress, locals())
+
+
+def own_study(function: Callable[..., Any], given: Mapping[str, Any], study: str) -> Any:  # noqa: ANN401 - of each its own
+    """The study that is in the folder ``out``, finished if it was not; None where another one is asked for.
+
+    ``given`` are the arguments of the call, ``study`` is the class. The folder is only read if nothing else is given
+    that affects the results. Raises LinkproofError for a damaged one.
+    """
+    folder, name = given["out"], function.__name__
+    if folder is None or changed(function, given):
+        return None
+    from comparisons.trials.runs.store import has_study, unfinished_command
+
+    try:
+        begun, values = json.loads(unfinished_command(folder) or "[null, {}]")
+        arguments = with_values(function, given, values) if begun == name and values else None
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise LinkproofError(f"'{folder}' has a damaged command ({error}): type the whole command") from error
+    if arguments is not None:
+        return function(**arguments)
+    if begun != name and has_study(folder, name):
+        from reports.studies import trials
+
+        return getattr(trials, study).load(folder)
+    return None
 
 
 def start_workers(module: str) -> None:

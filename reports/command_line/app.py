@@ -8,7 +8,7 @@ from typing import Annotated
 import click
 
 from reports.api import designer, trials
-from reports.api.options import Argument, Motion, Option, ResultsFiles, checked
+from reports.api.options import Argument, Motion, Option, checked
 from reports.command_line import completion
 from reports.command_line.parameters import SETTINGS, CommandGroup, study_command
 
@@ -52,13 +52,13 @@ study_command(
     },
 )  # fmt: skip
 study_command(
-    app, "results", designer.results, study="reports.studies.results:Results", form=ResultsFiles,
+    app, "results", designer.results, study="reports.studies.results:Results",
     summary="Peaks, bearing forces and every signal of one linkage, without an engine.",
     offers={
         "out": "Write a page with the linkage in motion into this folder.",
         "save": "Write every signal (.csv .json .xlsx), the pictures (.svg .png .pdf), or the scheme for CAD at the "
         "first instant of --at or --time, or as sketched (.dxf); repeatable.",
-        "opens": "",
+        **{"decimal": "", "figure": "", "opens": ""},
         **PRINTED,
     },
 )  # fmt: skip
@@ -66,7 +66,7 @@ study_command(
 
 @checked
 def watch(
-    mechanism: Annotated[str, Argument("MECHANISM", "mechanisms", is_required=True)],
+    mechanism: Annotated[str, Argument("MECHANISM", "mechanisms")],
     motion: Motion = designer.USUAL,
     *,
     opens: Annotated[bool, Option("Open no browser, only print the address.", flags=("--no-open",))] = True,

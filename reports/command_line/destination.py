@@ -6,7 +6,7 @@ import inspect
 import io
 import sys
 import webbrowser
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext, redirect_stdout
 from importlib import import_module
 from itertools import chain
@@ -14,22 +14,21 @@ from pathlib import Path
 
 from analytic.errors import LinkproofError
 from comparisons.trials.runs.files import check_folder, check_writable
-from reports.api.options import Announce, OutputOptions, ResultsFiles
+from reports.api.options import Announce, OutputOptions, changed, words
 from reports.document.parts import Paragraph
-from reports.document.study import Study, check_saves
+from reports.document.study import PICTURES, Study, check_saves
 from reports.document.terminal import Printed, Printout, harmless, show, write
 
 
 class Destination(OutputOptions):
     """Options of output, with the methods that write and print accordingly."""
 
-    def prepare(self, study: str, read: Mapping[str, Path], form: ResultsFiles | None) -> None:
+    def prepare(self, study: str, given: Iterable[object]) -> None:
         """Raise LinkproofError, before the work, for files that cannot be written; ``study`` is module:class.
 
-        ``read`` are the files that are read, by what they are.
+        ``given`` are the arguments of the command, whose files no output may replace.
         """
-        if form is not None:
-            form.check(self)
+        self._check_form()
         if self.quiet and self.verbose:
             raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
         if self.opens and self.out is None:
@@ -40,9 +39,22 @@ class Destination(OutputOptions):
         if self.save:
             module, _, name = study.partition(":")
             kind: type[Study] = getattr(import_module(module), name)
+            read = [word for each in given for word in words(each) if isinstance(word, str | Path)]
             check_saves(self.save, kind.suffixes, read, self.out)
 
-    def make(self, function: Callable[..., Study | None], form: ResultsFiles | None) -> int:
+    def _check_form(self) -> None:
+        """Raise LinkproofError for a wrong --decimal, and for --decimal or --figure without a file that takes it."""
+        suffixes = {file.suffix.lower() for file in self.save}
+        if self.decimal not in {".", ","}:
+            raise LinkproofError(
+                f"--decimal: expected . or , in the numbers of a .csv, got '{self.decimal}'; correct it"
+            )
+        if self.decimal == "," and ".csv" not in suffixes:
+            raise LinkproofError("--decimal belongs to a table, and none is written: name a file with --save FILE.csv")
+        if self.figure is not None and not suffixes & {*PICTURES}:
+            raise LinkproofError("--figure needs a file: name a .svg, .png or .pdf with --save")
+
+    def make(self, function: Callable[..., Study | None]) -> int:
         """Call the function, print its study and write its files; returns the exit code, 0 without a study.
 
         If stdout is for JSON, what engines in this process print goes to stderr.
@@ -53,9 +65,9 @@ class Destination(OutputOptions):
             else:
                 with progress(visible=not self.quiet) as announce:
                     study = function(announce=announce)
-        return 0 if study is None else self.emit(study, form)
+        return 0 if study is None else self.emit(study)
 
-    def emit(self, study: Study, form: ResultsFiles | None = None) -> int:
+    def emit(self, study: Study) -> int:
         """Print a study, write its files and name them; returns the exit code."""
         study.check_content()
         warnings = (f"warning: {text}" for text in dict.fromkeys(study.warnings))  # be the run quiet or not
@@ -68,7 +80,9 @@ class Destination(OutputOptions):
             show(*study.brief(), *study.printout().closing)
         else:
             self.print_out(study.printout())
-        for file in [*study.written, *study.save(*self.save, **(vars(form) if form else {}))]:
+        given = changed(OutputOptions, vars(self))
+        form = {name: given[name] for name in ("decimal", "figure") if name in given}
+        for file in [*study.written, *study.save(*self.save, **form)]:
             self.tell(f"wrote {file}")
         code = study.exit_code
         if self.out is not None:

@@ -4,28 +4,27 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeVar, get_args
+from typing import Any, get_args
 
 import click
 
-from analytic.errors import LinkproofError
 from reports.api.options import (
     Argument,
     DeclaredOption,
     OutputOptions,
+    arguments,
     declared_options,
     member_type,
     option_groups,
-    option_value,
 )
 from reports.command_line import completion, gone
 
 GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
-Bag = TypeVar("Bag")
 OF_PYTHON = re.compile(r"\n\n(?=In Python |>>> )")  # what a docstring says beyond the command
 NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 SETTINGS = {"help_option_names": ["-h", "--help"]}
@@ -40,9 +39,8 @@ class CommandGroup(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
         """The command of the first word; raises LinkproofError for one that is gone."""
-        answer = "" if args[0] in self.commands or ctx.resilient_parsing else gone.answer_to_command(args[0])
-        if answer:
-            raise LinkproofError(answer)
+        if args[0] not in self.commands and not ctx.resilient_parsing:
+            gone.refuse(args[0])
         return super().resolve_command(ctx, args)
 
     def get_help(self, ctx: click.Context) -> str:
@@ -67,16 +65,15 @@ class LinkproofCommand(click.Command):
                 formatter.write_dl(records)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the words; raises LinkproofError for an option that is gone."""
-        answer = "" if ctx.resilient_parsing else gone.answer_to_json_file(args)
+        """Parse the words; raises LinkproofError for an option that is gone, as is a file after --json."""
+        files = [file for word, file in pairwise(args) if word == "--json" and not ctx.resilient_parsing]
+        if any(file == "-" or file.lower().endswith(".json") for file in files):
+            gone.refuse("--json")
         try:
-            if not answer:
-                return super().parse_args(ctx, args)
+            return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
-            answer = gone.answer_to_option(self.name or "", error.option_name)
-            if not answer:
-                raise
-        raise LinkproofError(answer)
+            gone.refuse(error.option_name, self.name or "")
+            raise
 
 
 def study_command(
@@ -87,62 +84,37 @@ def study_command(
     summary: str,
     offers: Mapping[str, str],
     study: str = "",
-    form: type | None = None,
 ) -> None:
     """Add a function that returns a study to the commands: its options, then those of output that it ``offers``.
 
-    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name; the
-    fields of ``form`` are options of what is saved. An ``out`` of the function is an option of output as well.
+    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name. An
+    ``out`` of the function is an option of output as well.
     """
-    own, groups = declared_options(function), option_groups(function)
-    titled = {kind.__name__.removeprefix("Steady"): declared_options(kind) for kind in groups.values()}
-    bags = [option for options in titled.values() for option in options]
-    output = {option.field.name: option for option in declared_options(OutputOptions)}
-    taken = {option.field.name for option in own}
-    files = [option for name, option in output.items() if name in offers and name not in taken]
-    titled["Output"] = (*(declared_options(form) if form else ()), *files)
-    sections = {option.field.name: title for title, options in titled.items() for option in options}
-    sections |= dict.fromkeys(taken & {"out"}, "Output")
-    every = [*own, *bags, *titled["Output"]]
+    own = declared_options(function)
+    of_function = {option.field.name for option in own}
+    files = [each for each in declared_options(OutputOptions) if each.field.name in offers.keys() - of_function]
+    titles = {each: kind.__name__.removeprefix("Steady") for each, kind in option_groups(function).items()}
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
         """Call the function with click's values, print and write its study; the exit code."""
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
 
-        out = option_bag(Destination, {name: words[name] for name in words if name in offers or name == "out"})
-        choice = None if form is None else option_bag(form, words)
-        given = {option.field.name: _value(option, words[option.field.name]) for option in own}
-        out.prepare(study, _read(own, given), choice)
-        given |= {each: option_bag(kind, words) for each, kind in groups.items()}
-        return out.make(partial(function, **given), choice)
+        given = {each: _value(option, words[each]) for option in (*own, *files) if (each := option.field.name)}
+        out = Destination(**{each: given[each] for each in {"out", *offers} & given.keys()})
+        out.prepare(study, [given[option.field.name] for option in own])
+        return out.make(partial(function, **arguments(function, given)))
 
     made = LinkproofCommand(
         name,
-        params=[_parameter(option, offers.get(option.field.name, "")) for option in every],
+        params=[_parameter(option, offers.get(option.field.name, "")) for option in (*own, *files)],
         callback=called,
         help=OF_PYTHON.split(inspect.getdoc(function) or "")[0],
         short_help=summary,
         context_settings=SETTINGS,
     )
-    made.sections = sections | {"help": "Output" if titled["Output"] else "Options"}
+    made.sections = {option.field.name: titles[option.group] for option in own if option.group}
+    made.sections |= dict.fromkeys(["out", *offers, *(["help"] if files else [])], "Output")
     app.add_command(made)
-
-
-def _read(options: Iterable[DeclaredOption], given: Mapping[str, Any]) -> dict[str, Path]:
-    """Paths of the files that options read, by their meaning in words."""
-    found = {}
-    for option in options:
-        value = given[option.field.name]
-        for each in value if isinstance(value, tuple) else () if value is None else (value,):
-            if option.info.reads:
-                found[option.info.reads.format(each)] = Path(each)
-    return found
-
-
-def option_bag(kind: type[Bag], given: Mapping[str, Any]) -> Bag:
-    """A dataclass of options, filled with the values that click passes, by name."""
-    options = {option.field.name: option for option in declared_options(kind)}
-    return kind(**{name: _value(option, given[name]) for name, option in options.items() if name in given})
 
 
 def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
@@ -154,7 +126,7 @@ def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
         value = click.Path(path_type=Path)
     known = getattr(completion, info.names) if info.names else None
     if isinstance(info, Argument):
-        required = info.is_required or default is inspect.Parameter.empty
+        required = default is inspect.Parameter.empty
         usage = (info.metavar if required else f"[{info.metavar}]") + ("..." if several else "")
         return click.Argument(
             [name], type=value, nargs=-1 if several else 1, required=required, metavar=usage,
@@ -178,8 +150,6 @@ def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[s
 
 def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
     """An option's value from click's; a flag that is set switches off what is on by default."""
-    if member_type(option.kind) is float and isinstance(given, str):
-        return option_value(option, given)
     return not given if option.field.default is True else given
 
 

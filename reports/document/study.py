@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from markupsafe import escape
@@ -24,7 +23,6 @@ Content = str | bytes | Callable[[Path], object]
 PICTURES: Final = (".svg", ".png", ".pdf")
 # Packages that write the files of a suffix, each in an extra of the suffix's name.
 PACKAGES: Final = {".xlsx": "openpyxl", ".dxf": "ezdxf"}
-NOTHING: Final[Mapping[str, Path]] = MappingProxyType({})
 
 
 class Study:
@@ -140,22 +138,21 @@ class Study:
 
 
 def check_saves(
-    files: Iterable[Path], suffixes: Sequence[str], read: Mapping[str, Path] = NOTHING, made: Path | None = None
+    files: Iterable[Path], suffixes: Sequence[str], read: Iterable[str | Path] = (), made: Path | None = None
 ) -> None:
     """Raise LinkproofError for a file of ``--save`` that cannot be written, as where its folder is missing.
 
-    ``read`` has the files to read, by what they are; ``made`` is a folder that will be there.
+    ``read`` are the files to read, among other words; ``made`` is a folder that will be there.
     """
-    places: dict[str, Path] = {}
+    places, read_places = dict[str, Path](), {os.path.realpath(word) for word in read}
     for file in files:
         check_file("--save", file, suffixes, made)
         place = os.path.realpath(file)
         if place in places:
             raise LinkproofError(f"--save {places[place]} and --save {file} are the same file: leave one out")
         places[place] = file
-        for what, other in read.items():
-            if place == os.path.realpath(other):
-                raise LinkproofError(f"--save {file} would take the place of {what}: give another name")
+        if place in read_places:
+            raise LinkproofError(f"--save {file} would take the place of a file that is read: give another name")
         suffix = file.suffix.lower()
         package = PACKAGES.get(suffix)
         if package is not None and find_spec(package) is None:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.designer.linkage_check import warnings
@@ -43,15 +43,25 @@ Named = TypeVar("Named")
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 
+@dataclass(frozen=True, repr=False)
 class Trials(Study):
-    """Runs of engines, which a ``folder`` keeps; of ``processes`` of a page's writing None is one per core."""
+    """The ``results`` of runs of engines, which a ``folder`` keeps; by default a page is written on all cores."""
 
-    folder: Path | None
-    processes: int | None
+    module: ClassVar[Any]  # of comparisons, with ``load`` and ``save``
+    results: Any
+    folder: Path | None = None
+    processes: int | None = None
+    remark: str = ""
+    written: tuple[Path, ...] = ()
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Self:
+        """The study in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+        return cls(cls.module.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
         """Write the study into a folder, replacing one of its kind."""
-        raise NotImplementedError
+        self.module.save(folder, self.results)
 
     def write(self, folder: str | Path) -> Path:
         """Write runs, unless the folder keeps them already, and pages; returns the first page's path."""
@@ -74,16 +84,8 @@ class Comparison(Trials):
     """
 
     suffixes: ClassVar = (".json", ".csv")
+    module: ClassVar = campaign
     results: CampaignResults
-    folder: Path | None = None
-    processes: int | None = None
-    remark: str = ""
-    written: tuple[Path, ...] = ()
-
-    @classmethod
-    def load(cls, folder: str | Path) -> Comparison:
-        """The comparison in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
-        return cls(campaign.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
         """Write the comparison into a folder, replacing another one there."""
@@ -231,42 +233,31 @@ class Benchmark(Trials):
     ``to_pandas`` has a row for every point and quantity.
     """
 
-    bench: Bench
-    folder: Path | None = None
-    processes: int | None = None
-    remark: str = ""
-
-    @classmethod
-    def load(cls, folder: str | Path) -> Benchmark:
-        """The benchmark in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
-        return cls(work_precision.load(Path(folder)), Path(folder))
-
-    def store(self, folder: Path) -> None:
-        """Write the benchmark into a folder, replacing an earlier one."""
-        work_precision.save(folder, self.bench)
+    module: ClassVar = work_precision
+    results: Bench
 
     def printout(self) -> Printout:
         """The printed benchmark: the fronts of each quantity, and the cheapest ways to an error."""
-        named = tuple(self.bench.document["quantities"])
-        return bench_words.printout(self.bench, () if named == QUANTITIES else named)
+        named = tuple(self.results.document["quantities"])
+        return bench_words.printout(self.results, () if named == QUANTITIES else named)
 
     def sentence(self) -> Printed:
         """A sentence on how much was measured."""
-        return f"{len(self.bench.points)} points of {len({point.engine for point in self.bench.points})} engines"
+        return f"{len(self.results.points)} points of {len({point.engine for point in self.results.points})} engines"
 
     def to_dict(self) -> Mapping[str, Any]:
         """The document and all points, JSON-ready; times are in s."""
-        return self.bench.as_dict
+        return self.results.as_dict
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame with a row for every point and quantity."""
-        return self.bench.table
+        return self.results.table
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
         """The exit code: 1 if an engine finished no point without an excuse, else 0; may raise LinkproofError."""
         excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
-        points = list(self.bench.table.itertuples())
+        points = list(self.results.table.itertuples())
         useful = {point.engine for point in points if point.outcome in excused or point.detail == OUT_OF_TIME}
         asked = {point.engine for point in points}  # each has one, if only to say that there was no time
         reasons = Counter((point.outcome, point.detail) for point in points)
@@ -278,44 +269,33 @@ class Benchmark(Trials):
 class StabilityMaps(Trials):
     """Which conditions each engine stands, and whether the checks detect where it fails; or cells alone."""
 
-    stress: Stress
-    folder: Path | None = None
-    processes: int | None = None
-    remark: str = ""
+    module: ClassVar = stress_test
+    results: Stress
     are_cells: bool = False
-
-    @classmethod
-    def load(cls, folder: str | Path) -> StabilityMaps:
-        """The maps in a folder; no engine is imported. Raises LinkproofError if they are missing or damaged."""
-        return cls(stress_test.load(Path(folder)), Path(folder))
-
-    def store(self, folder: Path) -> None:
-        """Write the maps into a folder, replacing earlier ones."""
-        stress_test.save(folder, self.stress)
 
     def printout(self) -> Printout:
         """The printed maps: counts and borders; of a single cell every detail."""
         if self.are_cells:
-            return Printout([stress_words.cell_details(cell) for cell in self.stress.cells], ())
-        return stress_words.printout(self.stress)
+            return Printout([stress_words.cell_details(cell) for cell in self.results.cells], ())
+        return stress_words.printout(self.results)
 
     def sentence(self) -> Printed:
         """A sentence on how many cells came to each verdict."""
-        counts = self.stress.count().items()
-        return f"{len(self.stress.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
+        counts = self.results.count().items()
+        return f"{len(self.results.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
 
     def to_dict(self) -> Mapping[str, Any]:
         """The document and all cells, JSON-ready."""
-        return {"cells": self.rows()} if self.are_cells else self.stress.as_dict
+        return {"cells": self.rows()} if self.are_cells else self.results.as_dict
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
         """The cells as rows, JSON-ready."""
-        return [cell.data for cell in self.stress.cells]
+        return [cell.data for cell in self.results.cells]
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
         """The exit code: 1 if the checks missed a wrong motion, else 0; may raise LinkproofError."""
-        reasons = {cell.verdict: cell.reason for cell in self.stress.cells}
+        reasons = {cell.verdict: cell.reason for cell in self.results.cells}
         is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
         counts = Counter((verdict.value, reason) for verdict, reason in reasons.items())
         return _exit_code(StressVerdict.SUITE_ERROR in reasons, StressVerdict.MISSED in reasons, is_judged, counts)

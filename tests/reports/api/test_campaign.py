@@ -12,7 +12,7 @@ from analytic.description.loading import find, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.trials.campaign.campaign import each_case
 from comparisons.trials.judging.limits import read_limits
-from reports.api.campaign import chosen_linkages, request, run_resources
+from reports.api.campaign import chosen_linkages, request, run_bounds
 from reports.api.options import Bounds, Motion
 
 JUKI = "juki-mf7923d"
@@ -53,7 +53,7 @@ def test_the_command_repeats_the_request(motion, options, words, tmp_path, monke
 )
 def test_impossible_limits_are_refused(limits, words):
     with pytest.raises(LinkproofError, match=words):
-        run_resources(Bounds(**limits))
+        run_bounds(Bounds(**limits))
 
 
 def test_gravity_is_on_where_the_linkage_has_it(tmp_path):

@@ -19,10 +19,10 @@ from analytic.description.loading import read
 from comparisons.trials.campaign.results import load
 from comparisons.trials.runs.files import STORE
 from engines.pymunk_adapter.adapter import PymunkEngine
-from reports.api import folders
-from reports.api.folders import own_study
+from reports.api import campaign, trials
 from reports.api.options import Bounds, Motion, silent
 from reports.api.trials import bench, compare
+from reports.studies.trials import Comparison
 from tests.commands import COMMAND, ROOT, linkproof, process, refused, stored_runs
 from tests.comparisons.faults import announce, wait_for
 
@@ -262,11 +262,18 @@ DEFAULTS = {name: each.default for name, each in inspect.signature(compare).para
 
 
 def begun(folder, text="the file", **options):
-    """The runs of a comparison that its folder keeps."""
-    given = DEFAULTS | {"mechanisms": ("juki-mf7923d",), "out": folder} | options
-    return folders.stored_runs(
-        compare, given, ["direct"], [dataclasses.replace(load_linkage("juki-mf7923d"), text=text)]
-    )
+    """The keys of the runs that a comparison's folder keeps when it is begun, and is killed after one more."""
+    given = DEFAULTS | {"mechanisms": ("juki-mf7923d",), "out": folder, "announce": silent} | options
+    linkages, keys = [dataclasses.replace(load_linkage("juki-mf7923d"), text=text)], []
+
+    def make(finished, _):
+        keys.extend(finished.keys)
+        finished.add("run", {})
+        raise RuntimeError("killed")
+
+    with suppress(RuntimeError):
+        campaign.kept(Comparison, make, compare, given, engines=["direct"], linkages=linkages)
+    return keys
 
 
 def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_path, capsys):
@@ -274,36 +281,41 @@ def test_the_same_request_goes_on_and_another_one_begins_anew_with_a_remark(tmp_
         ({"text": "the file, changed"}, "`file of juki-mf7923d "),
         ({"motion": Motion(speed=2000.0)}, "now `linkproof compare juki-mf7923d --speed 2000`"),
     ):
-        with suppress(RuntimeError), begun(tmp_path) as (runs, _):
-            runs.add("run", {})
-            raise RuntimeError("killed")
-        with suppress(RuntimeError), begun(tmp_path) as (runs, _):
-            assert runs.keys == ["run"]
-            assert capsys.readouterr().err == ""
-            raise RuntimeError("killed again")
-        with begun(tmp_path, **other) as (runs, _):
-            assert runs.keys == []
-            assert words in capsys.readouterr().err
+        begun(tmp_path)
+        capsys.readouterr()
+        assert begun(tmp_path) == ["run"]
+        assert capsys.readouterr().err == ""
+        assert begun(tmp_path, **other) == []
+        assert words in capsys.readouterr().err
 
 
 UNFINISHED = {
-    "mechanisms": ("juki-mf7923d",), "engine": ["direct"], "motion": Motion(regime="run-up"),
+    "mechanisms": ("juki-mf7923d",), "engine": ("direct",), "motion": Motion(regime="run-up"),
     "bounds": Bounds(time_limit=9.0, jobs=1), "junit": Path("other.xml"),
 }  # fmt: skip
 
 
 def test_a_folder_alone_means_its_own_unfinished_study(tmp_path):
-    with suppress(RuntimeError), begun(tmp_path, **UNFINISHED):
-        raise RuntimeError("killed")
+    begun(tmp_path, **UNFINISHED)
     alone = DEFAULTS | {"out": tmp_path, "bounds": Bounds(jobs=2)}
-    found = own_study(compare, alone)
-    assert (found.is_finished, found.begun["bounds"]) == (False, Bounds(time_limit=9.0, jobs=2))
-    assert {name: found.begun[name] for name in ("engine", "motion", "junit")} == {
-        "engine": ["direct"], "motion": Motion(regime="run-up"), "junit": None,
+
+    def called(function, name="compare", **given):
+        """What the folder's own study is called with, where the function of this name is called."""
+
+        def stand_in(**arguments):
+            return arguments
+
+        stand_in.__signature__, stand_in.__name__ = inspect.signature(function), name
+        return trials.own_study(stand_in, given, "Comparison")
+
+    found = called(compare, **alone)
+    assert found["bounds"] == Bounds(time_limit=9.0, jobs=2)
+    assert {name: found[name] for name in ("engine", "motion", "junit")} == {
+        "engine": ("direct",), "motion": Motion(regime="run-up"), "junit": None,
     }  # fmt: skip
-    assert own_study(compare, alone | {"engine": ("direct",)}) == (False, None)
+    assert called(compare, **alone | {"engine": ("direct",)}) is None
     of_bench = {"mechanisms": (), "motion": Motion(), "engine": (), "quantity": (), "quick": False}
-    assert own_study(bench, of_bench | {"out": tmp_path, "announce": silent}) == (False, None)
+    assert called(bench, "bench", **of_bench | {"out": tmp_path, "announce": silent}) is None
 
 
 ON_WINDOWS = (

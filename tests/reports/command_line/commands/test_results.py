@@ -74,7 +74,7 @@ FAULTS = [
     ("--save engine.toml/t.csv", "cannot write 'engine.toml/t.csv'"),
     ("--save t.csv --save t.doc", "--save t.doc: the suffix must be one of .csv, .json, .xlsx, .svg, .png, .pdf, .dxf"),
     ("--save t.csv --save ./t.csv", "are the same file: leave one out"),
-    ("--save link.csv", "--save link.csv would take the place of the linkage's file: give another name"),
+    ("--save link.csv", "--save link.csv would take the place of a file that is read: give another name"),
     ("--figure torque", "--figure needs a file: name a .svg, .png or .pdf with --save"),
     ("--save a.csv --decimal ;", "--decimal: expected . or , in the numbers of a .csv, got ';'"),
     ("--decimal ,", "--decimal belongs to a table"),

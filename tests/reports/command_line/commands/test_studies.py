@@ -16,7 +16,7 @@ from comparisons.trials.runs.store import unfinished_command
 from comparisons.trials.stress import campaign
 from comparisons.trials.work_precision.study import Extent
 from comparisons.trials.work_precision.table import load
-from reports.api import bench, stress
+from reports.api import campaign as made
 from reports.api.options import Motion
 from reports.records import limit_table
 from tests.commands import linkproof, refused
@@ -123,9 +123,9 @@ BENCH = ("bench", "juki-mf7923d", "--engine", "direct", "--quantity", "Mkr", "--
 @pytest.fixture
 def short(monkeypatch):
     """A benchmark of seconds: a short run-up, three steps."""
-    monkeypatch.setattr(bench, "QUICK", SHORT)
+    monkeypatch.setattr(made, "QUICK", SHORT)
     hurried = Motion(regime="run-up-quintic", ramp_time=0.1, hold_time=0.0)
-    monkeypatch.setattr(bench, "usual_motion", lambda *_, **__: hurried)
+    monkeypatch.setattr(made, "usual_motion", lambda *_, **__: hurried)
 
 
 def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path):
@@ -150,7 +150,7 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path):
     ],
 )
 def test_bad_input_of_a_benchmark_is_refused_before_any_run(options, words, monkeypatch):
-    monkeypatch.setattr(bench, "measure_all", lambda *_: pytest.fail("something was run"))
+    monkeypatch.setattr(made, "measure_all", lambda *_: pytest.fail("something was run"))
     assert words in refused("bench", *options)
 
 
@@ -173,7 +173,7 @@ def _unhurried(monkeypatch):
     ],
 )
 def test_bad_input_is_refused_before_any_cell_is_made(options, words, monkeypatch, tmp_path):
-    monkeypatch.setattr(stress, "make_maps", lambda *_: pytest.fail("cells were made"))
+    monkeypatch.setattr(made, "make_maps", lambda *_: pytest.fail("cells were made"))
     assert words in refused("stress", *options, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
 
