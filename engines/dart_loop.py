@@ -15,7 +15,7 @@ TINY = 1e-15  # of what weighs nothing, in units in which a link weighs some 1e-
 SHIPPED, WHOLE = (0.01, 10.0), (1.0, 1e9)  # the share of a joint's gap that a step closes, and its largest speed
 
 
-class World:
+class DartWorld:
     """A world of one time step in its start state; ``half`` a step is its velocities' lead over its positions, s.
 
     Every body is a skeleton of its own with the coordinates x, y and angle; probes on it have those that follow.
@@ -137,7 +137,7 @@ def follow(given: Data, course: Data) -> Data:
     (part,), ratio = course["parts"], course["ratio"]
     steps, ahead = ratio * part["samples"], int(given["centred"])
     step = part["end"] / steps
-    world, times = World(given, step), step * np.arange(steps + ahead + 1)
+    world, times = DartWorld(given, step), step * np.arange(steps + ahead + 1)
     rows = [(0.0, {"position": world.start, "velocity": world.rates})]
     for number, speed in enumerate(np.diff(motion_values(given["motion"], times)) / step):
         sampled = number >= ahead and (number + 1 - ahead) % ratio == 0

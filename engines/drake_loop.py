@@ -13,7 +13,7 @@ Point = tuple[float, float]
 X, Y, Z = np.eye(3)
 
 
-class World:
+class DrakeWorld:
     """A plant of one time step in its start state, all coordinates 0.
 
     A coordinate is a path along x, y or a guide, or an angle: ``paths`` (bodies, 3, coordinates) turns their changes
@@ -147,7 +147,7 @@ def follow(given: Data, course: Data) -> Data:
     step = part["end"] / (ratio * part["samples"])
     times = step * (ratio * np.arange(part["samples"] + 1))
     try:
-        world = World(given, step, part["end"])
+        world = DrakeWorld(given, step, part["end"])
         rows = [(0.0, {"position": world.start, "velocity": world.rates})]  # a step to 0 s would leave it behind
         rows += [(time, world.read(time)) for time in times[1:]]
     except RuntimeError as error:

@@ -25,7 +25,7 @@ RUNGE_KUTTA = [
 ]
 
 
-class World:
+class PinocchioWorld:
     """The model in its start state; ``columns`` are the coordinates x, y and angle of the scene's bodies.
 
     ``axes``, ``desired`` and ``forces`` are views of Pinocchio's memory: what is set of the drive, and what is read.
@@ -129,12 +129,12 @@ def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
     return pin.SE3(pin.utils.rotate("z", turn), np.array([*place, 0.0]))
 
 
-def build(model: Data) -> World:
+def build(model: Data) -> PinocchioWorld:
     """The world of a model, in its start state."""
-    return World(model)
+    return PinocchioWorld(model)
 
 
-def follow(world: World, course: Data) -> Data:
+def follow(world: PinocchioWorld, course: Data) -> Data:
     """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:

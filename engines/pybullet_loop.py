@@ -23,7 +23,7 @@ UNLIMITED = {"maxForce": 1e12}  # N; a constraint gives way at 500 N unless told
 UNDAMPED = {"linearDamping": 0.0, "angularDamping": 0.0, "jointDamping": 0.0, "maxJointVelocity": 1e12}
 
 
-class World:
+class PybulletWorld:
     """The bodies of a model, the ground last, in their start state.
 
     Their frames have the ground's axes at the start. ``links`` are the blocks of guided joints on their hosts.
@@ -129,10 +129,10 @@ class World:
         return self.sign * states[self.drive][5], np.array([state[:2] for state in states]) * signs
 
 
-build = World
+build = PybulletWorld
 
 
-def follow(world: World, course: dict[str, Any]) -> dict[str, Any]:
+def follow(world: PybulletWorld, course: dict[str, Any]) -> dict[str, Any]:
     """Step through the one part of a course and return its samples; the world's server is then gone."""
     (part,), ratio, given, centred, rows = course["parts"], course["ratio"], world.given, world.centred, []
     count = ratio * part["samples"]

@@ -48,7 +48,7 @@ def is_steady_torque(law: Any) -> bool:  # noqa: ANN401
     return isinstance(law, list) and len(law) == 1
 
 
-class Rod:
+class Line:
     """The line between two points of bodies."""
 
     def __init__(self, first: pymunk.Body, second: pymunk.Body, here: Point, there: Point) -> None:
@@ -90,7 +90,7 @@ class PymunkWorld:
         centred = given["centred"]
         given_ones = given["constraints"]
         self.constraints = [getattr(pymunk, kind)(ends[a], ends[b], *rest) for kind, a, b, *rest in given_ones]
-        self.line = given["line"] and Rod(*(ends[n] for n, _ in given["line"]), *(point for _, point in given["line"]))
+        self.line = given["line"] and Line(*(ends[n] for n, _ in given["line"]), *(point for _, point in given["line"]))
         self.crank = self.space.static_body if self.line else ends[given["crank"]]
         self.motor = self.drive() if given["motion"] else None
         if self.motor is not None:
@@ -200,17 +200,17 @@ class PymunkWorld:
 
     def dashpot(self, spring: pymunk.DampedSpring) -> Load:
         """A function that adds a spring's damping before each step, to second order; the spring itself loses it."""
-        rod, damping = Rod(spring.a, spring.b, spring.anchor_a, spring.anchor_b), spring.damping
+        line, damping = Line(spring.a, spring.b, spring.anchor_a, spring.anchor_b), spring.damping
         spring.damping = 0.0
         lengths: list[float] = []
 
         def add(ahead: float) -> None:
             """Push the spring's ends against the rate of its length in the next step."""
             if not lengths:
-                lengths.extend((rod.length(-ahead), rod.length(0.0)))
-            before, last, now = *lengths, rod.length(ahead)
+                lengths.extend((line.length(-ahead), line.length(0.0)))
+            before, last, now = *lengths, line.length(ahead)
             lengths[:] = last, now
-            rod.push(-damping * (3.0 * now - 4.0 * last + before) / (2.0 * ahead), ahead)
+            line.push(-damping * (3.0 * now - 4.0 * last + before) / (2.0 * ahead), ahead)
 
         return add
 

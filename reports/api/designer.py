@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from reports.designs.linkages import Check, New
     from reports.designs.optimise import Optimisation
     from reports.designs.shelves import Listing
-    from reports.designs.sweep import LazySweep, Sweep
+    from reports.designs.sweep import DesignSweep, LazySweep
     from reports.designs.tolerance import Tolerance
     from reports.studies.judged import Judgement
     from reports.studies.results import Results
@@ -221,7 +221,7 @@ def sweep(
     scale_mass: ScaleMass = False,
     refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False,
     announce: Announce = silent,
-) -> "Sweep | LazySweep":
+) -> "DesignSweep | LazySweep":
     """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
@@ -239,7 +239,7 @@ def sweep(
     from comparisons.designer.sweep import sweep as sweep_space
     from reports.api.linkages import resolve
     from reports.api.steady import steady_case, sweep_request
-    from reports.designs.sweep import LazySweep, Sweep
+    from reports.designs.sweep import DesignSweep, LazySweep
 
     chosen, mechanism, motion = resolve(mechanism, motion)
     case = steady_case(chosen, motion, scale_mass=scale_mass, refine=refine)
@@ -250,7 +250,7 @@ def sweep(
     is_typed = not isinstance(vary, Mapping) and (table is None or isinstance(table, str | Path))
     command = command_line(sweep, locals()) if is_typed else ""  # arrays have no words
     study = sweep_space(request, announce)
-    return Sweep(study, command)
+    return DesignSweep(study, command)
 
 
 @checked

@@ -118,7 +118,7 @@ study_command(
     summary="Find conditions under which each engine fails.",
 )  # fmt: skip
 study_command(
-    app, "sweep", designer.sweep, study="reports.designs.sweep:Sweep",
+    app, "sweep", designer.sweep, study="reports.designs.sweep:DesignSweep",
     summary="Compute figures of many designs, such as peak torque over a range of lengths.",
     offers={
         "save": "Write every design (.csv .nc), a picture (.svg .png .pdf) or the summary (.json); repeatable.",

@@ -31,7 +31,7 @@ SLASH: Final = "∕"  # in a netCDF file instead of "/", which parts its groups
 
 
 @dataclass(frozen=True, repr=False)
-class Sweep(Study):
+class DesignSweep(Study):
     """The figures of many designs, in the units of the file."""
 
     suffixes: ClassVar = (".csv", ".json", ".nc", *PICTURES)

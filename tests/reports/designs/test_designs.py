@@ -12,7 +12,7 @@ from comparisons.designer.parameters import case_at_speed
 from comparisons.designer.sweep import sweep
 from comparisons.designer.tolerances import Tolerances, tolerance_study
 from reports.charts.draw import INK, LIMIT, MUTED
-from reports.designs.sweep import Sweep
+from reports.designs.sweep import DesignSweep
 from reports.designs.sweep_picture import sweep_figure
 from reports.designs.tolerance import NONE, TIED, Tolerance, tornado_figure
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
@@ -125,7 +125,7 @@ def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design(
 
 
 def summed_up(*texts):
-    return Sweep(sweep(request(grid(*texts), figures=("stroke",))), "").sentence()
+    return DesignSweep(sweep(request(grid(*texts), figures=("stroke",))), "").sentence()
 
 
 def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
