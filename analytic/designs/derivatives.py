@@ -22,7 +22,6 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.changes import SPEED, design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
-from analytic.designs.results import is_turn, period_of
 from analytic.designs.sampled_figures import FigureRequest, mean_cells, sampled_source, unwrapped_near
 from analytic.designs.sampled_signals import checked_parameters, speed_of
 from analytic.kinematics.decomposition import find_structure
@@ -85,9 +84,10 @@ def signal_gradients(
 
     ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, or the driver's
     ``speed``, turned as ``speed``, with the SI values at which to differentiate; a signal may be a magnitude, as in a
-    ``Figure``. S counts from the highest of the angles. The crank turns at a constant ``speed``, rad/s, signed. The
-    angles may be those ``at_tops`` of the signals, which move with corners of loads. Raises UnknownNameError,
-    LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be assembled.
+    ``Figure``, but not S, which counts from the design's own top. The crank turns at a constant ``speed``, rad/s,
+    signed. The angles may be those ``at_tops`` of the signals, which move with corners of loads. Raises
+    UnknownNameError, LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be
+    assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check_parameters(mechanism, parameters)
@@ -100,9 +100,7 @@ def signal_gradients(
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.values(signals, places)  # refuses one without a motion
-    zero_of_s = design.farthest(places, refine=False) if "S" in signals else STILL
-    curves = (design.at_tops if at_tops else design.curves)(signals, places, zero_of_s)
-    values, slopes = zip(*curves, strict=True)
+    values, slopes = zip(*(design.at_tops if at_tops else design.curves)(signals, places, STILL), strict=True)
     return np.stack(values), np.stack(slopes)
 
 
@@ -110,44 +108,35 @@ def figure_gradients(
     mechanism: Mechanism,
     parameters: Mapping[str, float],
     figures: Sequence[Figure],
-    angle: ArrayLike,
+    angle: Array,
     *,
     speed: float,
-    refine: bool = True,
+    period: float | None,
 ) -> tuple[Array, Array]:
     """Figures (figures,) and their derivatives (figures, parameters), SI.
 
-    ``angle``, ``speed`` and ``refine`` are as for ``analytic.designs.results.design_figures``, and
-    ``parameters`` as for ``signal_gradients``. The derivative is nan where equal tops have different derivatives.
+    ``angle``, ``speed`` and ``period`` are as for ``analytic.designs.results.design_figures``, extremes are refined,
+    and ``parameters`` are as for ``signal_gradients``. The derivative is nan where equal tops have different
+    derivatives.
     """
-    places = np.asarray(angle, dtype=float)
     _check_parameters(mechanism, parameters)
+    request = FigureRequest(mechanism, tuple(figures), angle, speed, period, refine=True)
     if not is_exact(mechanism):
-        _check_moves(_Design(mechanism, parameters, speed).followed.sweep(places))
-        period = period_of(mechanism, places)
-        return _figure_differences(FigureRequest(mechanism, tuple(figures), places, speed, period, refine), parameters)
-    design = _Design(mechanism, parameters, speed)
-    design.values([quantity.signal for quantity in figures], places)  # refuses one without a motion
-    zero_of_s = design.farthest(places, refine) if any(quantity.signal == "S" for quantity in figures) else STILL
-    ends = tuple(dict.fromkeys(end for quantity in figures for end in quantity.extremes))
-    top_of = dict(zip(ends, design.extremes(ends, places, zero_of_s, refine), strict=True))
-    single = {
-        quantity: design.curves([quantity.signal], np.array(quantity.angle), zero_of_s=zero_of_s)[0]
-        for quantity in figures
-        if quantity.reduction is Reduction.AT
-    }
-    averaged = [quantity for quantity in figures if quantity.is_mean]
-    top = design.farthest(places, refine=True) if any(quantity.signal == "S" for quantity in averaged) else zero_of_s
-    means = design.means(averaged, places, top)
+        _check_moves(_Design(mechanism, parameters, speed).followed.sweep(angle))
+        return _figure_differences(request, parameters)
+    design, grid = _Design(mechanism, parameters, speed), request.grid
+    design.values([figure.signal for figure in figures], grid)  # refuses one without a motion
+    zero_of_s = design.farthest(grid) if any(figure.signal == "S" for figure in figures) else STILL
+    ends = tuple(dict.fromkeys(end for figure in figures for end in figure.extremes))
+    known: dict[SignalExtreme | Figure, Curve] = dict(zip(ends, design.extremes(ends, grid, zero_of_s), strict=True))
+    known |= design.means([figure for figure in figures if figure.is_mean], grid, zero_of_s)
+    for figure in figures:
+        if figure.reduction is Reduction.AT:
+            (known[figure],) = design.curves([figure.signal], np.array(figure.angle), zero_of_s)
     values, gradients = np.empty(len(figures)), np.empty((len(figures), len(parameters)))
     for number, figure in enumerate(figures):
-        if figure.reduction is Reduction.AT:
-            value, slopes = single[figure]
-        elif figure.extremes:
-            tops = [top_of[end] for end in figure.extremes]
-            value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
-        else:
-            value, slopes = means[figure]
+        parts = [known[part] for part in figure.extremes or (figure,)]
+        value, slopes = parts[0] if len(parts) == 1 else tuple(a - b for a, b in zip(*parts, strict=True))
         sign = -1.0 if figure.is_magnitude and value < 0.0 else 1.0
         values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
@@ -283,62 +272,49 @@ class _Design:
         if key not in known:
             if len(known) >= MOST_ZEROS:
                 known.clear()
-            known[key] = self.farthest(np.append(grid(), FULL_TURN), refine=True)
+            known[key] = self.farthest(np.append(grid(), FULL_TURN))
         return known[key]
 
-    def farthest(self, places: Array, refine: bool) -> Curve:
-        """The output's highest coordinate, m, with its derivatives, by samples at ``places`` and, if asked, between."""
-        return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), places, STILL, refine)[0]
+    def farthest(self, grid: Array) -> Curve:
+        """The output's highest coordinate, m, with its derivatives, at and between the places of a grid."""
+        return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), grid, STILL)[0]
 
-    def extremes(
-        self,
-        extremes: Sequence[SignalExtreme],
-        places: Array,
-        zero_of_s: Curve,
-        refine: bool,
-    ) -> list[Curve]:
-        """The value of each extreme with its derivatives (parameters,), in the order given.
-
-        It is looked for at ``places`` and, with ``refine``, between them.
-        """
+    def extremes(self, extremes: Sequence[SignalExtreme], grid: Array, zero_of_s: Curve) -> list[Curve]:
+        """The value of each extreme, refined between a grid's places, with its derivatives (parameters,), in order."""
         if not extremes:
             return []
-        grid = _with_period_end(places, self.mechanism.linkage.load_period) if refine else places
         signals = [extreme.signal for extreme in extremes]
         rows = zip(extremes, self.values(signals, grid, zero_of_s[0]), strict=True)
         sampled = np.stack([extreme.height(values) for extreme, values in rows])
-        curve, places = self._find_tops(extremes, grid, sampled, zero_of_s[0], refine)
-        tops = []
+        curve, places = self._find_tops(extremes, grid, sampled, zero_of_s[0])
+        result = []
         for row, (extreme, (values, slopes)) in enumerate(
             zip(extremes, self.at_tops(signals, places, zero_of_s), strict=True)
         ):
-            is_its = curve == row
-            tops.append(
-                _highest_top(
-                    extreme, values[is_its], slopes[:, is_its], places[is_its], float(np.max(np.abs(sampled[row])))
-                )
-            )
-        return tops
+            is_its, largest = curve == row, float(np.max(np.abs(sampled[row])))
+            result.append(_highest_top(extreme, values[is_its], slopes[:, is_its], places[is_its], largest))
+        return result
 
-    def means(self, figures: Sequence[Figure], places: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
-        """Each mean and its derivatives (parameters,) by figure, from one integration of all."""
+    def means(self, figures: Sequence[Figure], grid: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
+        """Each mean over a grid's whole length and its derivatives (parameters,) by figure, from one integration."""
+        if not figures:
+            return {}
         count, signals = len(self.parameters), [quantity.signal for quantity in figures]
-        known = dict(zip(signals, self.values(signals, places), strict=True))
+        known = dict(zip(signals, self.values(signals, grid), strict=True))
         near = {name: values for name, values in known.items() if is_angle(name)}
 
         def integrands(_: object, phi: Array) -> Array:
             """Integrands of means and of their derivatives; and, for spikes, reciprocals of the determinants."""
             rows: list[Array] = []
             for quantity, (values, slopes) in zip(figures, self.curves(signals, phi, zero_of_s), strict=True):
-                turned = unwrapped_near(values, phi, places, near.get(quantity.signal))
+                turned = unwrapped_near(values, phi, grid, near.get(quantity.signal))
                 factor = turned if quantity.reduction is Reduction.RMS else 1.0
                 rows += [quantity.integrand(turned), *(factor * slopes)]
             listed = self._list(signals)
             sizes = listed.trace.evaluate(listed.determinants, self._input_values(listed, phi))
             return np.stack([*rows, *(1.0 / np.broadcast_to(size, phi.shape) for size in sizes)])
 
-        ends = _with_period_end(places, self.mechanism.linkage.load_period)
-        means = averages(integrands, mean_cells(ends, self._mechanism_of_loads))[:, 0].tolist() if figures else []
+        means = averages(integrands, mean_cells(grid, self._mechanism_of_loads))[:, 0].tolist()
         result = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
@@ -348,14 +324,12 @@ class _Design:
         return result
 
     def _find_tops(
-        self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
+        self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float
     ) -> tuple[Integers, Array]:
-        """The tops of all extremes' heights, as number of the extreme and angle, rad; sampled without ``refine``.
+        """The tops of all extremes' heights, as number of the extreme and angle, rad.
 
         ``sampled`` (extremes, n) are heights on the ``grid``, and S counts from ``top``, m.
         """
-        if not refine:
-            return np.arange(len(extremes)), grid[np.argmax(sampled, axis=1)]
         sampled_tops = tops(sampled)
 
         def slope(angle: Array) -> Array:
@@ -414,11 +388,6 @@ def _highest_top(
     tied = rises[:, heights >= highest - TIE * largest]
     apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest
     return values[first], np.where(apart, np.nan, slopes[:, first])
-
-
-def _with_period_end(places: Array, period: float) -> Array:
-    """Crank angles, rad, with the period's end added if they divide it evenly; others unchanged."""
-    return np.append(places, places[0] + period) if is_turn(places, period) else places
 
 
 def _check_moves(sweep: Sweep) -> None:

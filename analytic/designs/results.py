@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.description.changes import design_numbers
-from analytic.description.law import FULL_TURN
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.sampled_figures import FigureRequest, is_settled, sampled_source
 from analytic.designs.sampled_signals import LEAST_RATIO, checked_parameters, speed_of
-from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code import LinkageTrace, Result, StraightFunction, in_threads, is_worthwhile
 from analytic.numerics.arrays import Array, Booleans
 from analytic.operations import Traced
-from analytic.signals import is_wrapped, names_with_magnitudes, table
+from analytic.signals import is_wrapped
 
 # Figures of many designs reduced where they are computed, in one straight function of machine code, without curves.
 
@@ -155,8 +153,6 @@ def _row_numbers(request: FigureRequest, listed: LinkageTrace, lines: Sequence[i
     return [np.broadcast_to(values, grid.shape) for values in listed.trace.evaluate(lines, known)]
 
 
-LEAST_ANGLES: Final = 3  # crank angles, so that a top has neighbours, where it is refined
-EVEN: Final = 1e-9  # of a step
 USUAL_LIST, OF_FIGURE = 200, 15  # operations of a six-bar's motion, and of each signal
 
 
@@ -164,10 +160,10 @@ def design_figures(
     mechanism: Mechanism,
     parameters: Mapping[str, ArrayLike],
     figures: Sequence[Figure],
-    angle: ArrayLike,
+    angle: Array,
     *,
     speed: float,
-    period: float | Literal["auto"] | None = "auto",
+    period: float | None,
     refine: bool = False,
     path: str = "auto",
 ) -> Array:
@@ -177,8 +173,8 @@ def design_figures(
     ``analytic.description.changes``, and ``speed``, turned as ``speed``; all else is as described, and the assembly
     modes are those that its sketch picks. Without any it is one design, the file's. A signal is sampled at the crank
     angles ``angle`` (angles,), rad, ascending; S counts from the design's own largest output. With ``refine`` the
-    extremes are the true ones between the samples, and S counts from the true top: over a ``period``, rad, or over a
-    range, whose ends count, if None; "auto" is a turn where the angles divide one evenly. Means are integrals over the
+    extremes are the true ones between the samples, and S counts from the true top: over a ``period``, rad, which the
+    angles divide evenly, its end left out, or over a range, whose ends count, if None. Means are integrals over the
     same, whatever the samples, and of S from the true top.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
@@ -186,14 +182,11 @@ def design_figures(
     as for ``analytic.machine_code.is_worthwhile``. Raises UnknownNameError and LinkproofError as
     ``evaluate_designs`` does.
     """
-    places = _checked_places(angle, LEAST_ANGLES if refine else 1)
     if not parameters:  # of the file's own numbers one stands for all
         name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
         parameters = {name: [value]}
     arrays = checked_parameters(mechanism.linkage, parameters, has_speed=True)
-    _check_names(mechanism, figures)
-    closes = period_of(mechanism, places) if period == "auto" else period
-    request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)
+    request = FigureRequest(mechanism, tuple(figures), angle, speed, period, refine, path)
     designs = request.designs(arrays)
     if designs.trace is None or not can_reduce(request) or not designs.is_compiled:
         return request.values_for(arrays)
@@ -208,38 +201,3 @@ def design_figures(
 def usual_path(figures: Sequence[Figure], size: int) -> str:
     """The path, "numpy" or "compiled", that "auto" chooses for ``size`` designs times crank angles."""
     return "compiled" if is_worthwhile("auto", USUAL_LIST + OF_FIGURE * len(figures), size) else "numpy"
-
-
-def _checked_places(angle: ArrayLike, least: int) -> Array:
-    """Crank angles, rad, as an array; raises LinkproofError unless they are ``least`` or more and ascend."""
-    places = np.asarray(angle, dtype=float)
-    is_list = places.ndim == 1 and len(places) >= least
-    if not (is_list and np.all(np.diff(places) > 0.0) and np.all(np.isfinite(places))):
-        raise LinkproofError(
-            f"angle: expected a flat list of {least} or more finite crank angles in rad, ascending, got "
-            f"{'others' if is_list else f'shape {places.shape}'}; pass such a list"
-        )
-    return places
-
-
-def period_of(mechanism: Mechanism, places: Array) -> float | None:
-    """The period of loads, rad, if crank angles divide it evenly, its end left out.
-
-    None for others and a pushed driver.
-    """
-    period = mechanism.linkage.load_period
-    return None if mechanism.linkage.is_linear or not is_turn(places, period) else period
-
-
-def _check_names(mechanism: Mechanism, figures: Sequence[Figure]) -> None:
-    """Raise UnknownNameError for a figure of a signal that the mechanism does not have."""
-    known = {*table(mechanism), *names_with_magnitudes(mechanism)}
-    for figure in figures:
-        if figure.signal not in known:
-            raise UnknownNameError("signal", figure.signal, known)
-
-
-def is_turn(places: Array, period: float = FULL_TURN) -> bool:
-    """Whether crank angles, rad, divide a turn, or another period, evenly, the end left out."""
-    step = period / len(places)
-    return bool(np.all(np.abs(np.diff(places) - step) <= EVEN * step))

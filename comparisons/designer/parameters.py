@@ -222,8 +222,8 @@ class SteadyCase:
     ) -> Array:
         """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``."""
         return design_figures(
-            self.mechanism, numbers, [each.figure for each in figures], self.places, speed=self.speed, refine=refine,
-            period=self.linkage.load_period if self.is_full_turn else None, path=path,
+            self.mechanism, numbers, [each.figure for each in figures], self.places, speed=self.speed,
+            period=self._period, refine=refine, path=path,
         )  # fmt: skip
 
     def figures_of(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> Array:
@@ -233,7 +233,12 @@ class SteadyCase:
     def gradients(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> tuple[Array, Array]:
         """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
         every = [each.figure for each in figures]
-        return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed)
+        return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed, period=self._period)
+
+    @property
+    def _period(self) -> float | None:
+        """The period of loads, rad, at whose end the curves close; None of a range."""
+        return self.linkage.load_period if self.is_full_turn else None
 
     def redesigned(self, design: Mapping[str, float]) -> SteadyCase:
         """The same case with other numbers, SI, by name; a speed among them is ignored."""

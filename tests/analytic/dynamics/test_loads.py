@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.changes import with_numbers
 from analytic.description.crank_motion import crank_motion
-from analytic.description.law import Law
+from analytic.description.law import FULL_TURN, Law
 from analytic.description.loading import parse
 from analytic.designs.derivatives import differences, figure_gradients, signal_gradients
 from analytic.designs.figures import Figure, Reduction
@@ -76,7 +76,7 @@ def test_figures_of_designs_are_those_of_each_design(path):
     sample, places = mechanism(EVERY_LOAD), np.linspace(0.0, 4.0 * np.pi, 720, endpoint=False)
     numbers = {"rod.D.x": [0.2, 0.21], "crank.A.x": [0.05, 0.055]}
     peak = Figure("Mkr", Reduction.PEAK)
-    found = design_figures(sample, numbers, [peak], places, speed=SPEED, path=path)[0]
+    found = design_figures(sample, numbers, [peak], places, speed=SPEED, period=2.0 * FULL_TURN, path=path)[0]
     for number, value in enumerate(found):
         design = sample.redesigned(with_numbers(sample.linkage, {n: v[number] for n, v in numbers.items()}))
         torque = evaluate(design, places, ["Mkr"], speed=SPEED)["Mkr"]
@@ -111,7 +111,7 @@ def test_a_peak_at_a_corner_of_a_load_over_the_stroke_moves_with_the_corner():
         return evaluate(design, np.array([corner]), ["Mkr"], speed=SPEED)["Mkr"]
 
     figures = [Figure("Mkr", Reduction.PEAK)]
-    values, slopes = figure_gradients(sample, point, figures, grid(360), speed=SPEED)
+    values, slopes = figure_gradients(sample, point, figures, grid(360), speed=SPEED, period=FULL_TURN)
     known, near, _ = differences(torque_at_corner, point, {name: 1e-3 * value for name, value in point.items()})
     assert values == pytest.approx(np.abs(known), rel=1e-9)
     assert slopes[0] == pytest.approx(np.sign(known) * near[0], rel=1e-7)

@@ -36,7 +36,7 @@ def moved(name, value):
 
 
 def figures(mechanism, numbers, *wanted):
-    return design_figures(mechanism, numbers, wanted, TURN, speed=SPEED, refine=True)
+    return design_figures(mechanism, numbers, wanted, TURN, speed=SPEED, period=2.0 * np.pi, refine=True)
 
 
 def test_the_least_transmission_angle_is_that_of_results_on_either_side_of_a_right_angle():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM
+from analytic.description.law import FULL_TURN
 from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -108,12 +109,10 @@ def looped(asked):
     mechanism, found = Mechanism(SIX_BAR), []
     for number in range(asked.space.count):
         values = asked.space.block(number, number + 1)
-        found.append(
-            design_figures(
-                mechanism, values, [one.figure for one in asked.figures], asked.case.places,
-                speed=asked.case.speed, path="numpy"
-            )[:, 0] / [one.unit.size for one in asked.figures]
-        )  # fmt: skip
+        figures, case = [one.figure for one in asked.figures], asked.case
+        options = {"speed": case.speed, "period": FULL_TURN, "path": "numpy"}
+        row = design_figures(mechanism, values, figures, case.places, **options)[:, 0]
+        found.append(row / [one.unit.size for one in asked.figures])
     return np.array(found).T
 
 
