@@ -50,7 +50,9 @@ ScaleMass = Annotated[bool, Option("Scale mass and inertia of a link with its le
 def mechanisms(
     mechanism: Annotated[LinkageLike | None, Argument("MECHANISM", "mechanisms")] = None,
 ) -> "Listing":
-    """List the mechanisms of the catalogue, their variants and sources.
+    """List the mechanisms of the catalogue, or the figures and numbers of one.
+
+    Of the catalogue the variants and sources are listed, too.
 
     MECHANISM is a name in the catalogue or the path of a .toml file: its figures for sweep, optimise and tolerance are
     listed, and the numbers that they can vary, in the units of the file.
@@ -80,7 +82,9 @@ def new(
         Option("Copy this linkage, a name in 'linkproof list' or a file.", "MECHANISM", names="mechanisms"),
     ] = None,
 ) -> "New":
-    """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
+    """Write a linkage file to fill in.
+
+    NAME.toml is a small linkage with every key explained, as a start for yours; nothing is overwritten.
 
     With --like the file is a copy of that linkage, comments included, under the new name.
 
@@ -98,7 +102,9 @@ def new(
 
 @checked
 def check(mechanism: Mechanism, variant: Variant = None, *, strict: Strict = False) -> "Check":
-    """Review a linkage: mobility, groups, range of the crank, transmission angles, toggles, links, Jeq, stroke, errors.
+    """Review a linkage: mobility, groups, range, links, errors.
+
+    The review also has the range of the crank, transmission angles, toggles, Jeq and the stroke.
 
     MECHANISM is the path of a .toml file or a name in the catalogue.
 
@@ -125,7 +131,9 @@ def results(
     time: Annotated[Numbers | None, Option("Every signal at these times: 0.1,0.2.", "SECONDS")] = None,
     strict: Strict = False,
 ) -> "Results":
-    """Compute torque, power, bearing forces and positions of one linkage, for its designer; needs no engine.
+    """Compute peaks, bearing forces and every signal of one linkage, without an engine.
+
+    Signals are torque, power, forces and positions, as a designer needs them.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
@@ -222,7 +230,9 @@ def sweep(
     refine: Annotated[bool, Option("Find the exact extremes between the sampled angles.")] = False,
     announce: Announce = silent,
 ) -> "DesignSweep | LazySweep":
-    """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
+    """Compute figures of many designs, such as peak torque over a range of lengths.
+
+    The designs of one linkage are a grid of ranges, or a table; no engine is needed.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
@@ -285,7 +295,9 @@ def optimise(
     ] = None,
     announce: Announce = silent,
 ) -> "Optimisation":
-    """Find the best values within bounds while holding the results you choose; in closed form.
+    """Find the best lengths: the smallest peak torque at the same stroke, for example.
+
+    Values vary within bounds, and the results that you choose are held; all in closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
 
@@ -327,7 +339,9 @@ def tolerance(
     ] = None,
     announce: Announce = silent,
 ) -> "Tolerance":
-    """Compute the effect of tolerances on results: one by one, the worst case, random designs; in closed form.
+    """Show which length, angle or mass changes which result by how much.
+
+    Tolerances are taken one by one, in the worst case and in random designs; all in closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
 
@@ -376,7 +390,9 @@ def judge(
         str, Option("Encoding of files that are not UTF-8 or UTF-16, such as cp1252 or cp1251.", "NAME")
     ] = "",
 ) -> "Judgement":
-    """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
+    """Judge a curve from another tool: right or wrong, and the probable cause.
+
+    The tool may be SolidWorks Motion, Adams, Modelica, or any other that exports a CSV with a header.
 
     MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
 

@@ -49,7 +49,9 @@ def engines(
         Option("Show what is installed, and try every engine and the compiler, for a bug report.", flags=("--try",)),
     ] = False,
 ) -> "Study":
-    """List the engines: supported linkages, available quantities, and the origin of each figure in the engine.
+    """List the engines, test an adapter, or try what is installed.
+
+    The list has supported linkages, available quantities, and the origin of each figure in the engine.
 
     ENGINE is an engine of linkproof, or an adapter announced under the entry-point group linkproof.engines.
 
@@ -138,7 +140,7 @@ def compare(
     out: Out = None,
     announce: Announce = silent,
 ) -> "Comparison":
-    """Simulate mechanisms in engines and compare every error with its limit.
+    """Simulate mechanisms; compare every error with its limit.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
@@ -194,7 +196,9 @@ def bench(
     out: Out = None,
     announce: Announce = silent,
 ) -> "Benchmark":
-    """Measure error against run time: every engine, setting and method over a sweep of steps.
+    """Measure error against run time, over a sweep of steps.
+
+    Every engine, setting and method is measured.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
@@ -232,7 +236,9 @@ def stress(
     out: Out = None,
     announce: Announce = silent,
 ) -> "StabilityMaps":
-    """Find conditions under which each engine fails, and whether the checks detect it.
+    """Find conditions under which each engine fails.
+
+    The maps also show whether the checks detect a failure.
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
 

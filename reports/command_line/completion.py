@@ -96,35 +96,31 @@ def _completions(names: Iterable[str], incomplete: str) -> list[str]:
     return sorted({str(name) for name in names if str(name).startswith(incomplete)})
 
 
+def _typed_files() -> list[Path]:
+    """The linkage files among the words typed so far, without program and command."""
+    known = _files_by_name()
+    return [known.get(word, Path(word)) for word in os.environ.get("COMP_WORDS", "").split()[2:]]
+
+
 def _linkages() -> Iterator[Linkage]:
     """The linkages among the typed words; those that cannot be read are left out."""
     from analytic.description.loading import load
 
-    known = _files_by_name()
-    for word in _typed_words():
-        if word in known or word.endswith(".toml"):
-            with contextlib.suppress(LinkproofError):
-                yield load(word)
+    for file in _typed_files():
+        with contextlib.suppress(LinkproofError):
+            yield load(file)
 
 
-def _typed_words() -> list[str]:
-    """The words typed so far, without program and command."""
-    return os.environ.get("COMP_WORDS", "").split()[2:]
-
-
-def _linkage_tables() -> list[dict[str, Any]]:
+def _linkage_tables() -> Iterator[dict[str, Any]]:
     """The linkage files among the typed words as nested tables; those that cannot be read are left out."""
-    tables, known = [], _files_by_name()
-    for word in _typed_words():
+    for file in _typed_files():
         with contextlib.suppress(LinkproofError, ValueError, RecursionError):
-            content = read_file(known.get(word, Path(word)), "a linkage file")
-            tables.append(tomllib.loads(content.decode("utf-8-sig")))
-    return tables
+            yield tomllib.loads(read_file(file, "a linkage file").decode("utf-8-sig"))
 
 
 # How a shell asks for words, and how it learns to.
 
-VARIABLE: Final = "_{}_COMPLETE"
+VARIABLE: Final = "_LINKPROOF_COMPLETE"
 # Of a shell the file of completion in the home folder, and the file and the line by which it is read.
 PLACES: Final = {
     "bash": (".bash_completions/linkproof.sh", ".bashrc", "source ~/.bash_completions/linkproof.sh"),
@@ -133,50 +129,39 @@ PLACES: Final = {
 }
 
 
-def is_asked(name: str) -> bool:
-    """Whether a shell asks linkproof for completions."""
-    return VARIABLE.format(name.upper()) in os.environ
-
-
-def complete(app: click.Group, name: str) -> int:
+def complete(app: click.Group) -> int:
     """Offer the shell the words that may follow; returns the exit code."""
-    variable = VARIABLE.format(name.upper())
-    shell, _, action = os.environ[variable].partition("_")
-    asked = _shell(shell)(app, {}, name, variable)
+    shell, _, action = os.environ[VARIABLE].partition("_")
+    asked = _completer(app, shell)
     click.echo(asked.source() if action == "source" else asked.complete())
     return 0
 
 
-def _shell(shell: str) -> type[ShellComplete]:
-    """Click's class for a shell by name; raises LinkproofError for a shell without completion."""
+def _completer(app: click.Group, shell: str) -> ShellComplete:
+    """What completes in a shell by name; raises LinkproofError for a shell without completion."""
     from click.shell_completion import get_completion_class
 
     kind = get_completion_class(shell)
     if kind is None:
         raise LinkproofError(f"expected a shell of {', '.join(PLACES)} in SHELL, got '{shell}': set it to yours")
-    return kind
+    return kind(app, {}, "linkproof", VARIABLE)
 
 
-def _script() -> tuple[str, str]:
-    """The user's shell by name, and its completion script."""
-    shell = "powershell" if os.name == "nt" else Path(os.environ.get("SHELL", "")).name
-    return shell, _shell(shell)(click.Group(), {}, "linkproof", VARIABLE.format("LINKPROOF")).source()
-
-
-def _show(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
-    """Print the script of completion and end, if it is asked for."""
-    if is_requested:
-        click.echo(_script()[1])
-        context.exit()
-
-
-def _install(context: click.Context, _parameter: click.Parameter, is_requested: bool) -> None:
-    """Write the completion script where the shell finds it and end, if it is asked for."""
+def _teach(context: click.Context, parameter: click.Parameter, is_requested: bool) -> None:
+    """Print the user's completion script, or write it where the shell finds it, and end; if it is asked for."""
     if not is_requested:
         return
-    shell, script = _script()
-    if shell not in PLACES:
-        raise LinkproofError(f"{shell}: add to its profile what linkproof --show-completion prints")
+    shell = Path(os.environ.get("SHELL", "")).name
+    script = _completer(click.Group(), shell).source()
+    if parameter.name == "install_completion":
+        _install(shell, script)
+    else:
+        click.echo(script)
+    context.exit()
+
+
+def _install(shell: str, script: str) -> None:
+    """Write the completion script where the shell finds it."""
     file, start, line = PLACES[shell]
     place = Path.home() / file
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -186,17 +171,12 @@ def _install(context: click.Context, _parameter: click.Parameter, is_requested: 
         with settings.open("a", encoding="utf-8") as opened:
             opened.write(f"\n{line}\n")
     click.echo(f"wrote {place}; it takes effect in a new {shell}")
-    context.exit()
 
 
 OPTIONS: Final = tuple(
-    click.Option([flag], is_flag=True, is_eager=True, expose_value=False, callback=callback, help=text)
-    for flag, callback, text in (
-        ("--install-completion", _install, "Install completion for the current shell."),
-        (
-            "--show-completion",
-            _show,
-            "Show completion for the current shell, to copy it or customize the installation.",
-        ),
+    click.Option([flag], is_flag=True, is_eager=True, expose_value=False, callback=_teach, help=text)
+    for flag, text in (
+        ("--install-completion", "Install completion for the current shell."),
+        ("--show-completion", "Show completion for the current shell, to copy it or customize the installation."),
     )
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -80,19 +81,19 @@ def study_command(
     app: click.Group,
     name: str,
     function: Callable[..., Any],
+    offers: str = "",
     *,
-    summary: str,
-    offers: Mapping[str, str],
     study: str = "",
+    **texts: str,
 ) -> None:
     """Add a function that returns a study to the commands: its options, then those of output that it ``offers``.
 
-    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name. An
-    ``out`` of the function is an option of output as well.
+    ``texts`` are the help of options of output where it is not the usual one; these options are offered, too. An
+    ``out`` of the function is an option of output as well. ``study`` is the place of the class, module:name.
     """
-    own = declared_options(function)
-    of_function = {option.field.name for option in own}
-    files = [each for each in declared_options(OutputOptions) if each.field.name in offers.keys() - of_function]
+    own, offered = declared_options(function), {*offers.split(), *texts}
+    files = [option for option in declared_options(OutputOptions) if option.field.name in offered]
+    offered.add("out")
     titles = {each: kind.__name__.removeprefix("Steady") for each, kind in option_groups(function).items()}
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
@@ -100,20 +101,21 @@ def study_command(
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
 
         given = {each: _value(option, words[each]) for option in (*own, *files) if (each := option.field.name)}
-        out = Destination(**{each: given[each] for each in {"out", *offers} & given.keys()})
+        out = Destination(**{each: given[each] for each in offered & given.keys()})
         out.prepare(study, [given[option.field.name] for option in own])
         return out.make(partial(function, **arguments(function, given)))
 
+    text = OF_PYTHON.split(inspect.getdoc(function) or "")[0]
     made = LinkproofCommand(
         name,
-        params=[_parameter(option, offers.get(option.field.name, "")) for option in (*own, *files)],
+        params=[_parameter(option, texts.get(option.field.name, "")) for option in (*own, *files)],
         callback=called,
-        help=OF_PYTHON.split(inspect.getdoc(function) or "")[0],
-        short_help=summary,
+        help=text,
+        short_help=text.partition("\n")[0],
         context_settings=SETTINGS,
     )
     made.sections = {option.field.name: titles[option.group] for option in own if option.group}
-    made.sections |= dict.fromkeys(["out", *offers, *(["help"] if files else [])], "Output")
+    made.sections |= dict.fromkeys([*offered, *(["help"] if files else [])], "Output")
     app.add_command(made)
 
 
@@ -155,8 +157,8 @@ def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any 
 
 def run(app: click.Group, name: str, words: Sequence[str]) -> int:
     """Run a command's words, or answer a shell's completion; returns the exit code. Ctrl-C raises KeyboardInterrupt."""
-    if completion.is_asked(name):
-        return completion.complete(app, name)
+    if completion.VARIABLE in os.environ:
+        return completion.complete(app)
     try:
         with app.make_context(name, list(words)) as context:
             return int(app.invoke(context) or 0)

@@ -44,7 +44,7 @@ def ask(
 
 def test_a_new_option_of_a_function_is_everywhere():
     app = CommandGroup()
-    study_command(app, "ask", ask, summary="Ask.", offers={"quiet": ""})
+    study_command(app, "ask", ask, "quiet")
     text = CliRunner().invoke(app, ["ask", "--help"]).output
     assert "--film MICROMETRES" in text
     assert text.index("Options:") < text.index("--film") < text.index("Motion:") < text.index("--regime")
