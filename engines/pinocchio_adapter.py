@@ -77,7 +77,9 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
     }
 
     def model(self, scene: Scene, recipe: PinocchioRecipe) -> Mapping[str, Any]:
-        """Joints by body, each before the blocks that slide on it, as Pinocchio asks; ties, the drive's first.
+        """The scene as plain data: joints by body, and ties between frames; see ``LoopEngine.model``.
+
+        Each joint comes before the blocks that slide on it, as Pinocchio asks; the drive's tie comes first.
 
         A joint has its name, what carries it, its place and direction there, mass, inertia, and the start's coordinates
         and their rates; a tie its name, whether it is rigid, the sign of its force on the scene's first body, and the

@@ -49,7 +49,7 @@ class Unusable:
     abilities: Abilities = NO_ABILITIES
 
     def version(self) -> str | None:
-        """The plug-in's own version, since the engine's is not available."""
+        """Version of the package that announces the adapter, since the engine's is not available; None if unknown."""
         return self.announced_by
 
     def why_unavailable(self) -> str | None:
@@ -57,18 +57,18 @@ class Unusable:
         return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Raise the error that loading the adapter raised."""
+        """Raise the error that loading the adapter raised, whatever the scene and setting."""
         raise self.error
 
 
 def _announced() -> dict[str, EntryPoint]:
-    """Entry points by engine name; ours take precedence. Nothing is imported."""
+    """Entry points by engine name, in name order; where two announce one name, ours wins. Nothing is imported."""
     return _read_announced(tuple(sys.path))
 
 
 @cache
 def _read_announced(_: tuple[str, ...]) -> dict[str, EntryPoint]:
-    """Entry points by engine name; cached by search path, since reading takes longer than many runs."""
+    """The same for a search path, by which they are cached, since reading them takes longer than many runs."""
     entries = sorted(entry_points(group=GROUP), key=lambda entry: _is_ours(entry.value))
     return dict(sorted((entry.name, entry) for entry in entries))
 
@@ -97,7 +97,7 @@ def is_plugin(name: str) -> bool:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name, or its stand-in; importing it does not import the engine itself.
+    """The adapter of that name, or an Unusable one if it does not load; does not import the engine itself.
 
     Raises UnknownNameError for a name that no package announces.
     """
@@ -112,7 +112,7 @@ def engine(name: str) -> Engine:
 
 
 def stand_in(name: str, error: BaseException) -> Unusable:
-    """The Unusable adapter that replaces one whose loading raised an error."""
+    """The Unusable adapter for a name whose loading raised an error; raises UnknownNameError for an unknown name."""
     entry = entry_point(name)
     module = entry.value.partition(":")[0].strip()  # which may be no name of a module at all
     return Unusable(name, module, entry.dist.version if entry.dist else "", error)
@@ -121,7 +121,7 @@ def stand_in(name: str, error: BaseException) -> Unusable:
 def why_unavailable(adapter: Engine) -> str | None:
     """The reason, in one sentence with the cure, why an engine cannot be used here; None where it can.
 
-    Nothing is imported. Raises PluginError for an adapter whose own answer is no text.
+    It is the adapter's own answer, or by its version. Raises PluginError for an own answer that is no text.
     """
     words = getattr(adapter, "why_unavailable", None)
     if words is not None:
@@ -137,7 +137,10 @@ def why_unavailable(adapter: Engine) -> str | None:
 
 
 def _load_adapter(entry: EntryPoint) -> Engine:
-    """Import the adapter of an entry point and check it; raises PluginError for one that breaks the contract."""
+    """Import, create and check the adapter of an entry point; raises PluginError if it breaks the contract.
+
+    Errors of the import pass; what it prints is dropped.
+    """
     with contextlib.redirect_stdout(io.StringIO()):  # the output of the command may be JSON or a script
         adapter: Engine = entry.load()()
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
@@ -150,7 +153,7 @@ def _load_adapter(entry: EntryPoint) -> Engine:
 
 
 def check_adapter(adapter: Engine) -> None:
-    """Raise PluginError unless name, version, ``is_control`` and abilities have the types of the contract."""
+    """Raise PluginError unless name, version, ``is_control`` and ``abilities`` have the contract's types."""
     version = adapter.version()
     if not isinstance(adapter.name, str) or not adapter.name.strip():
         raise PluginError(f"expected a name as text, got {adapter.name!r}")
@@ -161,7 +164,7 @@ def check_adapter(adapter: Engine) -> None:
 
 
 def _is_ours(module: str) -> bool:
-    """Whether a module is one of linkproof's own adapters."""
+    """Whether a module is one of linkproof's own adapters, by its name."""
     return module.startswith("engines.")
 
 
@@ -178,7 +181,7 @@ def installed_version(name: str) -> str | None:
 
 
 def why_absent(package: str, extra: str = "") -> str | None:
-    """The reason why a package cannot be imported; None where it can.
+    """The reason why a package cannot be imported, with the cure; None where it can, and then it is imported.
 
     A failed import inside an installed package is raised. ``extra`` is the extra that brings the package, by default of
     its name.
@@ -193,9 +196,9 @@ def why_absent(package: str, extra: str = "") -> str | None:
 
 
 def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
-    """The reason why an engine cannot be used, from its package's metadata without an import; None where it can.
+    """The reason, with the cure, why an engine cannot be used, by its package's metadata; None where it can.
 
-    ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do.
+    Nothing is imported. ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do, "" for any.
     """
     version = installed_version(package)
     if version is None:
@@ -219,7 +222,7 @@ def _how_to_install(package: str, extra: str) -> str:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """The first three numbers of a version, for comparison."""
+    """The first three numbers of a version, for comparison; fewer if it has fewer, none for ""."""
     return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
 
 
@@ -233,7 +236,7 @@ def flush() -> None:
 
 @contextmanager
 def silenced(into: str = os.devnull) -> Iterator[None]:
-    """In the block, send standard output and error, C code's included, to a file or nowhere."""
+    """In the block, append standard output and error, C code's included, to a file; by default they are lost."""
     flush()  # what was written before is not lost
     streams = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:

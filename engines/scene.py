@@ -201,7 +201,7 @@ class Free:
     over_time: TimeLaw | None = None
 
     def torque_at(self, time: ArrayLike) -> NDArray[np.float64]:
-        """The drive's whole torque, N m, or force, N, at times, s."""
+        """The drive's whole torque, N m, or force, N, at times, s, in their shape."""
         over_time = 0.0 if self.over_time is None else self.over_time(time)
         return np.asarray(np.full(np.shape(time), self.torque) + over_time)
 
@@ -244,19 +244,20 @@ class Scene:
 
     @property
     def loads(self) -> tuple[Load, ...]:
-        """All loads except gravity: forces, torques, springs, dampers."""
+        """All loads except gravity and friction: forces, torques, springs, dampers, torsion springs."""
         return (*self.forces, *self.torques, *self.springs, *self.dampers, *self.turn_springs)
 
     @property
     def driven_slider(self) -> SliderJoint:
-        """The slider that a linear drive pushes."""
+        """The slider that a linear drive pushes; raises StopIteration where the crank is no slider."""
         return next(slider for slider in self.sliders if slider.body == self.crank)
 
     @property
     def driver_ends(self) -> tuple[str, str, Vector, Vector]:
-        """The bodies at the first and second end of a linear driver, and the anchors there.
+        """The bodies at the first and second end of a linear driver, and the anchors there, m.
 
-        φ counts from the second anchor to the first, along the guide of a slider or along the cylinder.
+        φ counts from the second anchor to the first, along the guide of a slider or along the cylinder. Not for a
+        crank.
         """
         if self.cylinder is not None:
             ends = self.cylinder
@@ -339,7 +340,7 @@ def build_scene(
 
 
 def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
-    """The friction of each joint, by the joint's name."""
+    """Yield the friction of each joint that has any, named as the joint is."""
     joints = [(name, pin.point) for pin in linkage.pins for name in pin.joints]
     joints += [(slider.name, slider.link) for slider in linkage.sliders]
     joints += [(slot.name, slot.name) for slot in linkage.slots]
@@ -349,7 +350,7 @@ def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
 
 
 def _travel(linkage: Linkage, zero: float) -> Travel | None:
-    """The output's travel, from which loads over S count; None if no load depends on it."""
+    """The output's travel, from which loads over S count, from ``zero``, m; None if no load depends on it."""
     output = linkage.output
     if output is None or not linkage.has_loads_of_output:
         return None
@@ -368,7 +369,10 @@ def _cylinder(linkage: Linkage) -> Cylinder | None:
 
 
 def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
-    """Whether a slider in a moving slot acts as a point mass, so that its inertia can be added to the host's."""
+    """Whether a slider in a moving slot acts as a point mass, so that its inertia can be added to the host's.
+
+    It is pinned at its centre, and nothing else acts on it: no friction, guide, damper, cylinder or torque.
+    """
     link = linkage.links[slider.link]
     return (
         slider.guide.host != GROUND
@@ -386,7 +390,10 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
-    """A body of the scene: no inertia if it cannot turn; pin masses in its slots add to its own."""
+    """A copy of a body's start for the scene: no inertia if it cannot turn, else that of pin masses in it added.
+
+    ``merged`` are the sliders by link that count as pin masses.
+    """
     hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
     if start.inertia is None or start.name in merged or not turns(start.name, hosts):
         # A pin mass in a turning slot cannot turn, so its initial angular velocity is zero.
@@ -396,7 +403,10 @@ def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
 
 
 def turns(name: str, hosts: Mapping[str, str]) -> bool:
-    """Whether a body turns; a slider turns with its host. Bodies that slide on each other in a circle count so too."""
+    """Whether a body turns; a slider, of a body in ``hosts``, turns with its host.
+
+    Bodies that slide on each other in a circle count as turning.
+    """
     left = dict(hosts)
     while name in left:
         name = left.pop(name)
@@ -404,7 +414,7 @@ def turns(name: str, hosts: Mapping[str, str]) -> bool:
 
 
 def _from_centre(linkage: Linkage, body: str, local: Vector) -> Vector:
-    """A point of a body relative to its mass centre; the ground keeps its own frame."""
+    """A point of a body, given in its link's frame, from its mass centre, m; the ground keeps its own frame."""
     if body == GROUND:
         return local
     centre = linkage.links[body].centre
@@ -417,14 +427,17 @@ def _anchor_of_point(linkage: Linkage, point: str, body: str) -> Vector:
 
 
 def _slot_body(linkage: Linkage, slot: Slot) -> str:
-    """Name of the body, or of the ground, whose point is the slot's pin."""
+    """Name of the body, or GROUND, that carries the pin of a slot."""
     if slot.point in linkage.ground:
         return GROUND
     return next(name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host)
 
 
 def _line(linkage: Linkage, joint: Slider | Slot, body: str) -> tuple[str, str, Vector, str, Vector, Vector]:
-    """The fields of a scene's slider or slot: names, anchor and guide, relative to mass centres, m."""
+    """The fields of a scene's slider or slot that moves ``body``: names, anchor and guide, from mass centres, m.
+
+    They are the joint's name, the body and its anchor, the host, a point of the guide and its direction.
+    """
     guide = joint.guide
     through = _from_centre(linkage, guide.host, guide.through)
     return joint.name, body, _anchor_of_point(linkage, joint.point, body), guide.host, through, guide.along

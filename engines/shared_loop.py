@@ -11,7 +11,10 @@ Array = NDArray[np.float64]
 
 
 def motion_values(motion: Iterable[tuple[float, Any]], times: Array) -> Array:
-    """The driver's coordinate at times, s; the first and the last polynomial go on beyond the motion's ends."""
+    """The driver's coordinate, rad or m, at times (n,), s, from polynomials: starts and coefficients, lowest first.
+
+    The first and the last polynomial go on beyond the motion's ends.
+    """
     values = np.empty_like(times)
     for number, (start, coefficients) in enumerate(motion):
         later = times >= start if number else np.full(times.shape, True)
@@ -20,7 +23,10 @@ def motion_values(motion: Iterable[tuple[float, Any]], times: Array) -> Array:
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components at an angle or a travel: constants, or cubics that repeat or keep their end values."""
+    """A load's components as a list at an angle, rad, or a travel, m.
+
+    The law is constants, or knots, cubics and a period: they repeat, or with the period 0 keep their end values.
+    """
     if isinstance(law, list):
         return law
     knots, pieces, period = law
@@ -31,7 +37,10 @@ def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
 
 
 def signals(rows: list[tuple[float, dict[str, Any]]], channels: list[str], joints: Any) -> dict[str, Any]:  # noqa: ANN401
-    """Times and values by channel, forces by joint, from what was read at instants, s; a row may lack a channel."""
+    """Times and values by channel, forces by joint, from rows of an instant, s, and what was read there.
+
+    A row may lack a channel, but not all rows; ``joints`` are the joints' names, in the order of the forces.
+    """
     samples: dict[str, Any] = {}
     for name in channels:
         time, values = zip(*((time, read[name]) for time, read in rows if name in read), strict=True)

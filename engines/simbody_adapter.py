@@ -76,7 +76,7 @@ class SimbodyModel:
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Arrange a scene as a tree for Simbody; light links stand for a cylinder."""
+        """Arrange a scene as a tree for Simbody; two light links stand for a cylinder."""
         light = LIGHT * min(body.mass for body in scene.bodies if body.mass)
         self.scene, self.linked = scene, cylinder_as_links(scene, light)
         self.tree = tree = spanning_tree(self.linked)
@@ -130,7 +130,10 @@ class SimbodyModel:
         }
 
     def springs(self) -> Iterator[tuple[int, Vector, int, Vector, str]]:
-        """Springs, and a free cylinder's push: both ends and the force, an expression of length and rate."""
+        """Yield springs, and a free cylinder's push: number and anchor of both ends, and the force as a text.
+
+        The text is an expression of length and rate, ``d`` and ``ddot``.
+        """
         scene = self.scene
         for spring in scene.springs:
             law = f"{spring.stiffness:.17g} * (d - {spring.length:.17g}) + {spring.damping:.17g} * ddot"
@@ -147,7 +150,7 @@ class SimbodyModel:
             )
 
     def loads(self) -> Iterator[tuple[int, Vector, PlainLaw | dict[str, Any]]]:
-        """Loads as rows: body, anchor, and law of a force, a torque or a free driver."""
+        """Yield loads as rows: body, anchor, and the plain law of a force, a torque or a free driver."""
         scene, crank = self.scene, self.numbers.get(self.scene.crank, -1)
         for force in scene.forces:
             yield self.numbers[force.body], force.anchor, plain_law(force.force)
@@ -160,12 +163,12 @@ class SimbodyModel:
                 yield crank, (0.0, 0.0), vars(scene.drive.over_time)
 
     def readout_data(self, body: Body) -> tuple[int, list[int], float]:
-        """A body's number, the coordinates whose sum is its angle, and the constant, rad, to add to it."""
+        """A body's number, the numbers of the coordinates whose sum is its angle, and a constant, rad, to add."""
         turning = self.turning[body.name] if body.inertia is not None else []
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
     def joints(self) -> dict[str, tuple[bool, int, float, Vector | None]]:
-        """Each joint by name: whether it is a cut, its number, sign of its force, and only direction or None.
+        """Of each joint by name: whether it is a cut, its number, its force's sign and only direction, or None.
 
         A driven slider's force is across its guide: what is along it is the drive's.
         """
@@ -218,7 +221,10 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """Refuse loads over φ on a released crank, and bodies without mass that Simbody cannot solve; else None."""
+        """The reason why Simbody cannot hold a scene; None if it can.
+
+        It takes no loads over φ on a released crank, no linear force over time, and not every body without mass.
+        """
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
         if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
@@ -243,7 +249,7 @@ def _lost_inertia(scene: Scene) -> str | None:
 
 
 def _weightless_end(tree: SpanningTree) -> str | None:
-    """The sentence that a body without mass ends Simbody's tree, which it cannot solve; None without one."""
+    """The sentence that a body without mass or inertia ends Simbody's tree, which it cannot solve; else None."""
     parents = {branch.parent for branch in tree.branches}
     for branch in tree.branches:
         body, joint = branch.body, branch.joint

@@ -39,7 +39,7 @@ class SimbodyWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build OpenSim's model from the given data."""
+        """Build OpenSim's model from the plain data of the adapter's ``model``."""
         self.given, self.model = given, opensim.Model()
         self.model.setGravity(vec3(*given["gravity"]))
         self.frames = [self.model.getGround()]  # the last is body -1
@@ -70,7 +70,7 @@ class SimbodyWorld:
             self.loads.append(load.setTorqueFunctions if components(law) == 1 else load.setForceFunctions)
 
     def add_body(self, body: Data) -> None:
-        """Put a body, its frame at its mass centre, on its parent."""
+        """Put a body, its frame at its mass centre, on its parent by a joint, and start its coordinate, if any."""
         number = len(self.joints) + 1
         frame = opensim.Body(f"body{number}", body["mass"], vec3(), opensim.Inertia(*[body["inertia"]] * 3))
         self.model.addBody(frame)
@@ -99,11 +99,17 @@ class SimbodyWorld:
         self.model.addConstraint(self.cuts[-1])
 
     def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
-        """The force that a joint of the tree exerts on its body or, with the other sign, on the parent."""
+        """The force, N, that a joint of the tree exerts on its body or, with the sign -1, on the parent.
+
+        Which sign is which depends on the joint: the adapter's data has it.
+        """
         return in_plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
 
     def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
-        """Force on the first body of a cut; the constraint has its reverse, in the axes of what carries both bodies."""
+        """Force, N, on the first body of a cut.
+
+        The constraint has its reverse, in the axes of the body that carries both.
+        """
         cut, row = (
             self.given["cuts"][number],
             0 if self.given["cuts"][number]["along"] is None else 6,
@@ -122,7 +128,7 @@ class SimbodyWorld:
         return float(np.dot(self.force(number, sign, state), line))
 
     def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
-        """Forces on the first bodies of the joints; of a driven slider's, the part across its guide."""
+        """Forces, N, on the first bodies of the joints, in order; of a driven slider's, the part across its guide."""
         forces = list[Any]()
         for is_cut, number, sign, normal in self.given["joints"].values():
             force = self.cut_force(number, state) if is_cut else self.force(number, sign, state)
@@ -130,7 +136,7 @@ class SimbodyWorld:
         return forces
 
     def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
-        """Rows of x, y and angle of the bodies, or of their rates; angles are unwrapped sums of coordinates."""
+        """Rows of x, y and angle of the bodies, or of their rates, by channel; angles are not wrapped."""
         rows = list[tuple[float, ...]]()
         for place, rates, angle in self.readers[channel]:
             turned = sum([rate(state) for rate in rates], angle if channel == "position" else 0.0)
@@ -138,7 +144,7 @@ class SimbodyWorld:
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
-        """The requested channels of a state, by name."""
+        """The requested channels of a state, by name; realises the state's accelerations."""
         self.model.realizeAcceleration(state)
         dynamics = {"torque": self.torque, "joint_force": self.joint_forces}
         return {name: dynamics[name](state) if name in dynamics else self.kinematics(name, state) for name in channels}
@@ -150,7 +156,10 @@ def components(law: Any) -> int:  # noqa: ANN401
 
 
 def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
-    """Three functions of time for OpenSim: x and y of a force, or zeros and a torque."""
+    """Three functions of time for OpenSim: x and y of a force, or zeros and a torque.
+
+    A law over φ is taken at ``angle``, the driver's coordinate at each ``time``, s, and splined between.
+    """
     result = [opensim.Constant(0.0) for _ in range(3)]
     if isinstance(law, dict):
         result[2], times = opensim.PiecewiseLinearFunction(), law["times"]
@@ -181,7 +190,10 @@ def follow(world: SimbodyWorld, course: Data) -> Data:
 
 
 def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
-    """Step through a part and yield each sample: time, s, and its channels; OpenSim's clock restarts every segment."""
+    """Step through a part and yield each sample: time, s, and its channels; raises ArithmeticError if that fails.
+
+    OpenSim's clock restarts every segment. At the end the model keeps the state, from which the next part begins.
+    """
     model, given = world.model, world.given
     time = np.linspace(part["start"], part["end"], part["samples"] + 1)
     zero, coefficients = part["segment"] or (0.0, [0.0])

@@ -77,7 +77,7 @@ class PartLayout:
         return coordinates - 2 * len(self.scene.pins) - len(self.scene.guided) - len(self.gears)
 
     def tangent(self, scene: Scene) -> tuple[list[Vector], list[float]]:
-        """Velocities and spins of all parts per unit of the driver's, at the start of the scene that was cut."""
+        """Velocities of all parts, m, and spins, rad, per unit of the driver's, at the start of the uncut ``scene``."""
         position, rate, second = start_motion(scene)
         _, speed, gain = (float(value[0]) for value in driven(scene, position, rate, second))
         # Whatever starts from rest sets off along its acceleration.
@@ -100,7 +100,10 @@ def split_point_mass(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]
 
 
 def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyPart, BodyPart | None]:
-    """A body by its moments about a pivot: a part with that mass at the pivot and, unless balanced, a point mass."""
+    """A body with an inertia as two parts with its moments about a pivot: one there, and a point mass.
+
+    The part at the pivot has the mass ``resting``; the point is None for a body that is balanced about the pivot.
+    """
     assert part.inertia is not None
     away = _minus(part.offset, pivot)
     distance = math.hypot(*away)

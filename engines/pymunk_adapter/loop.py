@@ -52,7 +52,7 @@ class Line:
     """The line between two points of bodies."""
 
     def __init__(self, first: pymunk.Body, second: pymunk.Body, here: Point, there: Point) -> None:
-        """The line between a point ``here`` of the first body and a point ``there`` of the second."""
+        """The line between a point ``here`` of the first body, in its frame, and a point ``there`` of the second."""
         self.ends = (first, here), (second, there)
 
     def length(self, ahead: float) -> float:
@@ -153,7 +153,10 @@ class PymunkWorld:
         return self.line is not None or self.given["push"][1] is not None
 
     def steady_torque(self, body: pymunk.Body, torque: float) -> pymunk.SimpleMotor:
-        """Create a constant torque, N m, on a body: a motor with this limit that never reaches its speed."""
+        """Create a constant torque, N m, on a body, not yet in the space.
+
+        It is a motor with this limit that never reaches its speed.
+        """
         motor = pymunk.SimpleMotor(self.space.static_body, body, -math.copysign(OUT_OF_REACH, torque))
         motor.max_force = abs(torque)
         return motor

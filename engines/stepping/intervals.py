@@ -47,7 +47,7 @@ class Cost:
 
     @contextmanager
     def timing(self, name: str) -> Iterator[None]:
-        """Add the wall time of the block, s, to ``seconds`` or ``setup_seconds``."""
+        """Add the wall time of the block, s, to the field ``name``: ``seconds`` or ``setup_seconds``."""
         begun = perf_counter()
         try:
             yield
@@ -60,7 +60,10 @@ class Cost:
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
-    """Call ``history`` and wrap its result: FINISHED if all numbers are finite, else DIVERGED or UNSUPPORTED."""
+    """Call ``history`` and make a Run of its result: FINISHED if all numbers are finite, else DIVERGED.
+
+    A DivergedError or an UnsupportedError becomes its outcome and reason; other errors pass.
+    """
     try:
         result = history()
         for name, signal in named_signals(result):
@@ -80,7 +83,7 @@ def check_step(step: float) -> None:
 
 
 def whole_steps(duration: float, step: float, least: int) -> int:
-    """The number, at least ``least``, of equal steps of at most ``step`` that fill a duration."""
+    """The number, at least ``least``, of equal steps of at most ``step``, s, that fill a duration, s."""
     return max(least, math.ceil(duration / step - ROUNDING))
 
 
@@ -128,12 +131,12 @@ class Pace:
 
 
 def whole_interval(duration: float, step: float, least: int) -> Interval:
-    """All of a run, s, as one interval in equal steps of at most ``step``, s, and at least ``least`` of them."""
+    """All of a run, of this duration, s, as one interval in at least ``least`` equal steps of at most ``step``, s."""
     return Interval(0.0, duration, whole_steps(duration, step, least))
 
 
 def released_intervals(duration: float, kinks: Sequence[float], step: float) -> list[Interval]:
-    """A released crank's run, s, cut at ``kinks``, s, of its torque; steps are at most ``step``, s."""
+    """A released crank's run of a duration, s, cut at ``kinks``, s, of its torque; steps are at most ``step``, s."""
     borders = [0.0, *(kink for kink in kinks if 0.0 < kink < duration), duration]
     return [Interval(start, end, whole_steps(end - start, step, 1)) for start, end in pairwise(borders)]
 
@@ -151,11 +154,11 @@ def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
 
 
 def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: Pace) -> Iterator[Interval]:
-    """Intervals of a segment: cut where its speed passes a grade of the motion's peak, and after ``pace.turns`` turns.
+    """Yield the intervals of a segment, cut at grades of the motion's peak speed and after ``pace.turns`` turns.
 
     The step of an interval gives ``pace.steps_per_turn`` at the highest speed of its part, so slow parts have longer
     steps: loads by inertia grow with the square of the speed, and a slow part's error is small beside the peak of a
-    fast one. A step given in seconds, ``pace.step``, is never exceeded.
+    fast one. A step given in seconds, ``pace.step``, is never exceeded. ``after_jump`` is the first interval's.
     """
     time = np.linspace(segment.start, segment.end, SAMPLED + 1)
     speed = np.abs(segment.value(time, 1))
@@ -172,7 +175,7 @@ def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: 
 
 
 def _grade_changes(speed: Array, peak: float) -> list[int]:
-    """Indices within a segment at which sampled speeds (n,) pass a grade of the peak."""
+    """Indices at which sampled speeds (n,) come to another grade of the peak; the first and last are left out."""
     grade = np.digitize(speed, np.multiply(GRADES, peak * EVEN))
     changes = np.flatnonzero(np.diff(grade)) + 1
     return [int(change) for change in changes if change < len(speed) - 1]

@@ -29,7 +29,10 @@ CHANNELS = ("position", "velocity", "acceleration", "torque")  # of one signal e
 
 
 def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
-    """One history, each signal made of those of its channel; a channel is None where all histories lack it."""
+    """One history, each signal combined of those of its channel; a channel is None where all lack it.
+
+    Histories that lack a channel are left out of it; joints are those of the first.
+    """
 
     def combine_channel(name: str) -> Signal | None:
         """The combined signal of a channel; None where no history has it."""
@@ -42,7 +45,7 @@ def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[
 
 
 def named_signals(history: History) -> Iterator[tuple[str, Signal]]:
-    """Every signal of a history with a name for messages: its channel, or its joint."""
+    """Yield every signal of a history with a name for messages: its channel, or its joint."""
     for name in CHANNELS:
         signal = getattr(history, name)
         if signal is not None:
@@ -66,7 +69,10 @@ class Pass:
 
 
 def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
-    """Weights w, shape (n,), with Σ w = 1 and Σ w hᵖ = 0 for the first n - 1 of ``orders``."""
+    """Weights w, shape (n,), with Σ w = 1 and Σ w hᵖ = 0 for the first n - 1 of ``orders``; h are the n steps.
+
+    Raises ValueError for fewer orders.
+    """
     if len(orders) < len(steps) - 1:
         raise ValueError(f"expected at least {len(steps) - 1} orders for {len(steps)} steps, got {len(orders)}")
     relative = np.asarray(steps, dtype=float) / max(steps)  # keeps the system well scaled whatever the unit of time
@@ -86,7 +92,7 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
     share = weigh([each.step for each in passes], orders)
 
     def weighted(signals: Sequence[Signal]) -> Signal:
-        """The weighted sum of signals; raises ValueError where their sample times differ."""
+        """The weighted sum of signals, in the first one's times; raises ValueError where their times differ."""
         time = signals[0].time
         for signal in signals:
             if len(signal.time) != len(time) or np.abs(signal.time - time).max() > CLOCK_ROUNDING * np.ptp(time):

@@ -67,7 +67,7 @@ class Recipe(Pace):
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion in intervals; a linear drive's "turn" is the scene's size."""
+        """The scene's motion in intervals, each in basic steps; a linear drive's "turn" is the scene's size."""
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
@@ -88,7 +88,7 @@ class Recipe(Pace):
 
 
 def _start_pace(scene: Scene) -> float:
-    """Pace of a free driver for the choice of steps, rad/s or m/s, estimated from the start state."""
+    """Pace of a free driver for the choice of steps, rad/s or m/s, from its start speed and acceleration."""
     _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
     size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
     return abs(speed) + math.sqrt(abs(acceleration) * size)
@@ -174,7 +174,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         return why_unusable(self.distribution or self.package, self.name, self.oldest)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Make one pass, or several that are extrapolated, by the setting's recipe."""
+        """Make one pass, or several that are extrapolated, by the setting's recipe for the scene's drive.
+
+        A drive without this setting, and all that goes wrong, is an outcome of the Run with its reason.
+        """
         recipes = self.settings.get(type(scene.drive), {})
         if setting not in recipes:
             obstacle = ability_obstacle(scene, self.abilities)
@@ -182,7 +185,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, recipes[setting], {})
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The methods in ``studied``; the drive makes no difference."""
+        """The methods in ``studied``, whatever the scene."""
         return tuple(
             Method(name, about, len(recipe.ratios), recipe.effort, self.effort_unit)
             for name, (about, recipe) in self.studied.items()
@@ -203,12 +206,15 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, self.studied_recipe(method, step), {"method": method.name})
 
     def studied_recipe(self, method: Method, step: float) -> R:
-        """The recipe of a method at a step, s, and with the method's effort."""
+        """The recipe of a method at a longest step, s, and with the method's effort."""
         _, recipe = self.studied[method.name]
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
-        """The run of a scene by a recipe; a reason not to run, or a failure, becomes its outcome."""
+        """The run of a scene by a recipe, with ``details`` to report; what prevents it becomes its outcome.
+
+        An engine that chatters is silenced.
+        """
         with silenced() if self.chatters else nullcontext():  # some write when they are imported
             absent = self.why_unavailable() or why_absent(self.package, self.name)
             if absent is not None:
@@ -220,7 +226,10 @@ class SteppedEngine(ABC, Generic[World, R]):
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
-        """The history of a scene, extrapolated from all passes of the recipe; fills in ``cost``."""
+        """The history of a scene, in SI, extrapolated from all passes of the recipe; fills in ``cost``.
+
+        Raises DivergedError or UnsupportedError.
+        """
         given, units, courses = self.planned(scene, recipe, cost)
         passes = [self._pass(given, course) for course in courses]
         parts = courses[0].parts
@@ -234,7 +243,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
-        """The scene in the units it is stepped in, these units if they are its own, and the passes to take."""
+        """The scene in the units it is stepped in, its own units or None for SI, and the passes to take.
+
+        The passes share ``cost``; a free drive's record no torque.
+        """
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
         scene = self.altered(scene)
@@ -244,7 +256,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
 
     def _pass(self, scene: Scene, course: Course[R]) -> Pass:
-        """Build a world and take one pass through it, both timed and counted in the course's cost."""
+        """Build a world, take one pass through it, and add the time and steps of both to the course's cost."""
         with course.cost.timing("setup_seconds"):
             world = self.build(scene, course.recipe)
         with course.cost.timing("seconds"):
@@ -283,7 +295,7 @@ class LoopEngine(SteppedEngine[Any, R]):
         """The scene as plain data, NumPy's arrays among them, for the loop's ``build``."""
 
     def build(self, scene: Scene, recipe: R) -> Any:  # noqa: ANN401 - the loop's
-        """The loop's world, built from the plain data of the scene."""
+        """The loop's world, built from the plain data of the scene; raises UnsupportedError for an ArithmeticError."""
         model = plain(self.model(scene, recipe))
         try:
             return import_module(self.loop).build(model)
@@ -291,7 +303,10 @@ class LoopEngine(SteppedEngine[Any, R]):
             raise _run_error(error, UnsupportedError) from error
 
     def follow(self, world: Any, course: Course[R]) -> History:  # noqa: ANN401
-        """The history of a pass, from the loop's samples; raises DivergedError for an ArithmeticError."""
+        """The history of a pass, from the loop's samples; raises DivergedError for an ArithmeticError.
+
+        The course's cost takes what the loop reports.
+        """
         given = plain_course(course)
         try:
             samples = import_module(self.loop).follow(world, given)
@@ -305,7 +320,7 @@ class LoopEngine(SteppedEngine[Any, R]):
 
 
 def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
-    """An ArithmeticError of a loop as ``kind``, the error that ends the run; another error is returned unchanged."""
+    """A plain ArithmeticError as ``kind``, the error that ends the run; one of a subclass is returned unchanged."""
     return kind(str(error)) if type(error) is ArithmeticError else error  # a division by zero is an error of the loop
 
 
@@ -316,7 +331,7 @@ def _read_signal(pair: tuple[Any, Any]) -> Signal:
 
 
 def plain_course(course: Course[Any]) -> dict[str, Any]:
-    """A course as the dictionary that loops take."""
+    """A course as the dictionary that loops take, with ``details`` and ``solver_work`` for them to fill in."""
     parts = [
         {
             "start": part.start,
@@ -333,7 +348,7 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
 
 
 def plain_law(law: Law) -> PlainLaw:
-    """A law as plain data for loops."""
+    """A law as plain data for loops: its components, or knots, cubics and period, 0 if it does not repeat."""
     return law.values.tolist() if law.angles is None else (*law.pieces(), law.period or 0.0)
 
 
