@@ -37,6 +37,7 @@ from reports.document.parts import (
     Words,
 )
 from reports.document.templates import lines, sentence
+from reports.mechanism.engines import reasons
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import key_figures
 from reports.records import (
@@ -44,11 +45,11 @@ from reports.records import (
     anchor,
     appeared_note,
     changes_table,
+    columns,
     computed_or_shared,
     concurrency_note,
     environment_facts,
     every_record,
-    family,
     family_title,
     limit_table,
     looks,
@@ -60,15 +61,7 @@ from reports.records import (
 # Which engine to trust for which quantity: a campaign's records by engine, setting and family of quantities.
 
 
-# Quantities that go together; any other quantity that is no check stands under OTHER.
-FAMILIES: Final = {
-    "S/v/a": ("S", "v", "a"),
-    "thread feed": ("thread_feed",),
-    "Jeq/Teq": ("Jeq", "Teq"),
-    "Mkr/Peq": ("Mkr", "Peq"),
-    "joint forces": ("joint_force",),
-}
-OTHER: Final = "other signals"
+# Families of their own beside those of the quantities under a prescribed motion.
 RELEASED: Final = "a released crank"
 CHECKS: Final = "checks of the motion"
 MOST_PERCENT: Final = 100.0  # peaks that are given in per cent
@@ -136,7 +129,8 @@ class EngineRanking:
     def families(self) -> tuple[str, ...]:
         """The families in which any engine was judged, in the order of the table."""
         some = {name for cells in self.cells.values() for name, cell in cells.items() if cell.judged}
-        return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
+        names = (*map(family_title, columns(self.results)[0]), RELEASED, CHECKS)
+        return tuple(name for name in names if name in some)
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
@@ -190,7 +184,7 @@ class EngineRanking:
             return CHECKS
         if (record.mechanism, record.variant, record.regime) in self._released_regimes:
             return RELEASED
-        return next((name for name, members in FAMILIES.items() if family(record.quantity) in members), OTHER)
+        return family_title(record.quantity)
 
     @cached_property
     def checks(self) -> frozenset[str]:
@@ -311,7 +305,7 @@ def card(sheet: Sheet) -> Card:
     return Card(PageLink(words, file_of(sheet)), (picture, facts))
 
 
-FIRST_SHOWN: Final = "Mkr/Peq"  # of the picture
+FIRST_SHOWN: Final = "Mkr"  # of the picture
 LEAST, OUTLINE = 1e-16, 1.5  # of an error that is drawn; px, of a symbol
 LAYOUT: Final[Mapping[str, Any]] = {
     "height": 420,
@@ -460,18 +454,19 @@ def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tu
 
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
     """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve."""
-    rows = [
+    rows: list[tuple[TableCell | str, ...]] = [
         (engine, setting, *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families))
         for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings
         for engine in trust.engines
         if trust.row(engine, setting)
     ]
+    lacking = [record for record in every_record(trust.results) if record.error_max is None]
     return Table(
         "The largest error over the peak, by quantity; the least of each column is marked.",
         ("engine", "setting", *trust.families),
         rows,
         align="llr",
-        note=sentence("index_families", families=trust.families, reasons=_reasons(trust)),
+        note=sentence("index_families", families=trust.families, reasons=reasons(lacking, lambda _: "")),
         style="families",
     )
 
@@ -487,16 +482,6 @@ def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, 
     place = leads_to(trust, worst) if leads else ""
     tooltip = sentence("index_worst", record=worst)
     return TableCell(PageLink(words, place) if place else words, style + best, tooltip=tooltip)
-
-
-def _reasons(trust: EngineRanking) -> list[str]:
-    """Reasons why engines gave no results, each once per engine, with the settings concerned."""
-    lacking = [record for record in every_record(trust.results) if record.error_max is None and record.detail]
-    groups = grouped(((record.engine, record.detail), record.setting) for record in lacking)
-    return [
-        f"{engine}{'' if len({*settings}) == len(trust.settings) else f' {listed(dict.fromkeys(settings))}'}: {detail}"
-        for (engine, detail), settings in groups.items()
-    ]
 
 
 def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> Section:

@@ -8,11 +8,11 @@ from itertools import groupby
 from types import MappingProxyType
 
 from comparisons.trials.judging.changes import Change
-from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
+from reports.mechanism.engines import error_cell, error_rows, limit_words, reasons, remedies
 from reports.records import (
     appeared_note,
     changes_table,
@@ -20,7 +20,6 @@ from reports.records import (
     concurrency_note,
     family,
     origin_words,
-    remedy,
 )
 
 ACROSS = 4  # runs side by side in a table of 80 columns
@@ -42,8 +41,8 @@ def printout(
     """
     closing = [
         *appeared_note(changes),
-        *_reasons(runs),
-        *_remedies(runs),
+        *reasons(_unjudged(runs), _place),
+        *remedies((run.every for run in runs), _place),
         *_counts(changes),
         _closing_line(runs),
     ]
@@ -91,11 +90,10 @@ def _motion_heading(run: RunRecord) -> Paragraph:
 
 def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
     """Quantities down, the runs of one mechanism and regime across; ``while_others`` notes how many ran."""
-    every = [run.every for run in runs]
-    rows: list[Sequence[TableCell | Words]] = []
-    for name in dict.fromkeys(family(record.quantity) for records in every for record in records):
-        worst = [_worst(records, name) for records in every]
-        rows.append((name, _limits_text(worst), *map(_error_cell, worst)))
+    rows: list[Sequence[TableCell | Words]] = [
+        (name, limit_words(records), *map(error_cell, records))
+        for name, records in error_rows([run.every for run in runs], family).items()
+    ]
     rows.append(("figures of", "", *(origin_words(run.every, run.runs) for run in runs)))
     rows.append(("seconds, set-up", while_others, *(f"{run.setup_seconds:.3f}" for run in runs)))
     rows.append(("seconds, stepping", while_others, *(f"{run.seconds:.3f}" for run in runs)))
@@ -110,27 +108,6 @@ def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
     return [f"{name}: {words}" for name, words in names.items() if words]
 
 
-def _worst(records: Iterable[Error], row: str) -> Error | None:
-    """The record with the largest error among a run's records of one row of the table; None without any."""
-    candidates = [record for record in records if family(record.quantity) == row]
-    return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
-
-
-def _limits_text(records: Sequence[Error | None]) -> str:
-    """The different limits of records as text, the largest first: "1e-04, 1e-05"."""
-    limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
-    return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
-
-
-def _error_cell(record: Error | None) -> TableCell | str:
-    """A record's largest error with the sign of its verdict; empty without a record."""
-    if record is None:
-        return ""
-    sign = RUNS[record.outcome]
-    words = sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}"
-    return TableCell(words, colour=sign.colour)
-
-
 def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
     """The cells of one record in the table of details."""
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
@@ -142,29 +119,15 @@ def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
     )  # fmt: skip
 
 
-def _reasons(runs: Iterable[RunRecord]) -> list[str]:
-    """Reasons why runs gave nothing that is judged, each once, with the places."""
-    records = (
-        record
-        for run in runs
-        for record in run.every
-        if record.detail and (record.error_max is None or _is_within(record))
-    )
-    reasons = grouped(((f"{record.engine} {record.setting}", record.detail), record.mechanism) for record in records)
-    return [f"{run}, {', '.join(dict.fromkeys(where))}: {detail}" for (run, detail), where in reasons.items()]
+def _place(record: Error) -> str:
+    """The mechanism of a record, which its sentences name."""
+    return record.mechanism
 
 
-def _is_within(record: Error) -> bool:
-    """Whether a record's error is known and at most its limit."""
-    return record.error_max is not None and record.limit is not None and record.error_max <= record.limit
-
-
-def _remedies(runs: Iterable[RunRecord]) -> list[str]:
-    """Advice on runs over their limits, each sentence once, with the places it holds for."""
-    where = grouped(
-        ((f"{run.engine} {run.setting}", words), run.mechanism) for run in runs if (words := remedy(run.every))
-    )
-    return [f"{run}, {', '.join(dict.fromkeys(names))}: {words}" for (run, words), names in where.items()]
+def _unjudged(runs: Iterable[RunRecord]) -> list[Error]:
+    """The records without an error, and those whose error is within its limit."""
+    every = (record for run in runs for record in run.every)
+    return [record for record in every if record.error_max is None or record.error_max <= (record.limit or -1.0)]
 
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +17,7 @@ from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, 
 from analytic.description.written import file_unit
 from comparisons.designer.sheet import Positions, ThreadSheet
 from reports.charts import symbols
-from reports.charts.draw import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, Array, Host, drawn, inches
+from reports.charts.draw import FONT_SIZE, GHOST, INK, PALETTE, PAPER, Array, Host, drawn, inches
 
 POSITIONS = 12
 
@@ -140,9 +140,10 @@ LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68
 CARD, RIM, SMALL_PIN = np.array([1.9, 1.5]), 0.17, 0.031
 Extent = tuple[Array, Array]  # lowest and highest x and y
 Draw = Callable[[Axes, KinematicScheme, float], None]
-NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
 BEHIND = {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
-NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIND}
+NAME_STYLE: Final[dict[str, Any]] = {
+    "ha": "center", "va": "center", "fontsize": FONT_SIZE, "fontstyle": "italic", "zorder": 12.0, "bbox": BEHIND,
+}  # fmt: skip
 
 
 def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
@@ -203,8 +204,7 @@ def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     _ghosts(axes, scheme)
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size)
-    taken = draw_names(axes, scheme, size)
-    _crank_numbers(axes, scheme, size, taken)
+    draw_names(axes, scheme, size)
 
 
 def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: bool = True) -> None:
@@ -239,24 +239,6 @@ def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
             symbols.line(axes, path.T, 0.7, 1.8, GHOST, linestyle=(0, (2, 2)))
 
 
-def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
-    """Write 0 to 11 around the crank pin's circle, except at the drawn position and under names."""
-    linkage = scheme.linkage
-    if linkage.is_linear:
-        return
-    points = linkage.links[linkage.crank].points
-    pivot = next(pin.point for pin in linkage.pins if {GROUND, linkage.crank} <= set(pin.links))
-    far = max(points, key=lambda name: float(np.hypot(*np.subtract(points[name], points[pivot]))))
-    if far == pivot:  # a crank that is nothing but a slot has no pin to number
-        return
-    spots = scheme.path(linkage.crank, [points[far]])[0][:, scheme.shown_indices].T
-    for number, spot in enumerate(spots):
-        stands = spot + 2.9 * size * symbols.unit(spot - scheme.spots[pivot])
-        clear = np.min(np.hypot(*(taken - stands).T)) > 3.5 * size
-        if clear and (scheme.where is not None or number != scheme.clearest):
-            write(axes, stands, str(number), NUMBER_STYLE)
-
-
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Draw guides of sliders and slots over their travel; a rail where no links lead to the slider."""
     for guide, body, point in scheme.runs:
@@ -275,8 +257,8 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         if len(spots) > 1:
             symbols.bar(axes, spots, 5.0 + 0.01 * number)
     for name, ends in scheme.stretches.items():
-        draw = symbols.cylinder if name == "cylinder" else symbols.spring
-        draw(axes, *scheme.at(ends), size)
+        (start, end), draw = scheme.at(ends), symbols.cylinder if name == "cylinder" else symbols.spring
+        draw(axes, start, end, size)
     for slider in scheme.linkage.sliders:
         symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
 
@@ -301,9 +283,8 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         draw(axes, spot, size)
 
 
-def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
-    """Write the points' names on the side that no link leaves from; returns their places in the drawing, (names, 2)."""
-    places = []
+def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> None:
+    """Write the points' names on the side that no link leaves from."""
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
         away, reach = symbols.unit(-_towards_links(name, scheme)), 3.8 * size
@@ -314,14 +295,12 @@ def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
             away, reach = side * across[name], 4.2 * size
         elif name in scheme.linkage.ground and away[1] < 0.2:  # the hatched foot hangs below
             away = np.array([np.copysign(0.95, away[0]), 0.3])
-        places.append(spot + reach * away)
-        write(axes, places[-1], name, NAME_STYLE)
-    return np.array(places)
+        write_name(axes, spot + reach * away, name)
 
 
-def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
-    """Write centred text at a place."""
-    axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=FONT_SIZE, **style)
+def write_name(axes: Axes, place: Array, name: str, ink: str = INK) -> None:
+    """Write a name, centred at a place."""
+    axes.text(float(place[0]), float(place[1]), name, color=ink, **NAME_STYLE)
 
 
 def _towards_links(name: str, scheme: KinematicScheme) -> Array:
@@ -357,4 +336,4 @@ def _draw_thread(axes: Axes, scheme: KinematicScheme, size: float, thread: Threa
         if name not in thread.paths:
             symbols.pin(axes, spot, 0.8 * size, 11.0)
             away = symbols.unit(spot - spots.mean(axis=0))  # its name on the side away from the thread
-            write(axes, spot + 4.4 * size * away, name, {**NAME_STYLE, "color": THREAD})
+            write_name(axes, spot + 4.4 * size * away, name, THREAD)

@@ -201,17 +201,11 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
 
 
 def _links_section(sheet: Sheet) -> Section:
-    """The section on the links: a scheme, their data in the file's units, their shares of Jeq, notes."""
-    linkage, facts = sheet.linkage, sheet.facts.get("links", {})
+    """The section on the links: a scheme, their data in the file's units, notes."""
+    linkage = sheet.linkage
     units = [sheet.file_unit_of(si) for si in ("kg", "kg m²", "m")]
-    means = {name: link["Jeq_mean"] for name, link in facts.items() if "Jeq_mean" in link}
-    whole = sum(means.values())
     head = ("link", *(f"{word}, {unit.on_page}" for word, unit in zip(("m", "J", "mass centre"), units, strict=True)))
     rows = [_link_row(link, [unit.size for unit in units]) for link in linkage.links.values()]
-    if whole:
-        head += ("of mean Jeq",)
-        shares = [f"{100.0 * means.get(name, 0.0) / whole:.1f} %" for name in linkage.links]
-        rows = [(*row, share) for row, share in zip(rows, shares, strict=True)]
     note = f"Mass centres in the link's own frame; J about the mass centre, {ABSENT} where the link cannot turn."
     table = Table("The moving links as described.", head, tuple(rows), note=note)
     notes = (Bullets(linkage.notes),) if linkage.notes else ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,7 +12,7 @@ import numpy as np
 from comparisons.motion.thinning import extreme_samples
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.quantities import JOINT_FORCE
-from comparisons.trials.judging.records import CONTROL, Error, Verdict
+from comparisons.trials.judging.records import CONTROL, Error
 from reports.document import numbers
 from reports.document.packed import packed
 from reports.document.parts import RUNS, Bullets, Fold, Part, Section, Table, TableCell, Widget
@@ -30,6 +30,7 @@ from reports.records import (
     origin_words,
     remedy,
     setting_rank,
+    share,
     short_title,
     worst,
 )
@@ -76,63 +77,64 @@ def errors_section(view: View, regime: Regime) -> Fold:
     """The part with every error of a regime in figures, and the reason for each missing one."""
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
+    lost = {run[0].run for run in runs if run not in shown}
+    lacking = [record for run in runs for record in run if record.error_max is None]
+    lines = [*reasons(lacking, lambda record: "" if record.run in lost else plain(record.quantity)), *remedies(runs)]
     parts: list[Part] = [_errors_table(view, regime, shown)] if shown else []
-    remedies = (f"{run[0].engine} {run[0].setting} – {words}." for run in runs if (words := remedy(run)))
-    reasons = (*_reasons(runs), *remedies)
     under = f" under {regime.name}" if len(view.regimes) > 1 else ""
-    return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
+    return Fold(f"Every error{under} in figures", (*parts, *([Bullets(tuple(lines))] if lines else [])))
 
 
 def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -> Table:
     """The table of a regime's errors: quantities, then invariants, down; engines and settings across."""
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
-    result = [{record.quantity: record for record in run} for run in runs]
-    rows = tuple(
-        (
-            *_row_head(view, [run[name] for run in result if name in run]),
-            *(_error_cell(run.get(name)) for run in result),
-        )
-        for name in view.quantities(regime)
-        if any(name in run for run in result)
-    )
+    rows: list[Sequence[TableCell | str]] = []
+    for name, records in error_rows(runs, str).items():
+        measured = () if name in view.invariants else records
+        peak = next((f"{numbers.figure(r.peak)} {r.unit}" for r in measured if r is not None and r.peak), "")
+        rows.append((TableCell(view.title(name), note=peak), limit_words(records), *map(error_cell, records)))
     note = sentence("matrix_note", imported=is_imported(view)) if regime == view.regimes[0] else ""
     head = ("quantity", "limit", *(run[0].setting for run in runs))
     caption = f"{regime.name}: {regime.conditions}. Largest error over the closed form's peak."
     return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
 
 
-def _row_head(view: View, records: Sequence[Error]) -> tuple[TableCell, str]:
-    """The first cells of a row: the quantity with its peak, and its limits by setting."""
-    quantity = records[0].quantity
-    measured = records if quantity not in view.invariants else ()
-    peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
-    limits = {r.setting: r.limit for r in records if r.limit}
-    words = dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank))
-    return TableCell(view.title(quantity), note=peak), ", ".join(words)
+def error_rows(runs: Iterable[Iterable[Error]], named: Callable[[str], str]) -> dict[str, list[Error | None]]:
+    """The worst error of every run by quantity, or by what ``named`` makes of its name; None where a run has none."""
+    results = [grouped((named(record.quantity), record) for record in run) for run in runs]
+    names = dict.fromkeys(name for result in results for name in result)
+    return {name: [worst(result[name]) if name in result else None for result in results] for name in names}
 
 
-def _error_cell(record: Error | None) -> TableCell | str:
-    """The cell of an error, with a sign if it is over its limit and the reason as a tooltip if it failed."""
+def limit_words(records: Iterable[Error | None]) -> str:
+    """The limits of records as text, each once, in the order of the settings."""
+    limits = {record.setting: record.limit for record in records if record is not None and record.limit}
+    return ", ".join(dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank)))
+
+
+def error_cell(record: Error | None) -> TableCell | str:
+    """The cell of an error with the sign of its verdict, and the reason as a tooltip."""
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
-    if record.outcome == Verdict.PASSED.value:
-        return TableCell(numbers.steady_error(record.error_max), style=sign.style)
-    words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
-    return TableCell(words, style=sign.style, tooltip=record.detail or sign.word)
+    words = sign.word if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
+    return TableCell(words, sign.style, sign.colour, tooltip=record.detail)
 
 
-def _reasons(runs: Sequence[Sequence[Error]]) -> tuple[str, ...]:
-    """Reasons why runs or quantities have no error, each once, with engine and setting."""
-    rows = []
-    for run in runs:
-        without = [record for record in run if record.error_max is None]
-        for record in without:
-            names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
-            reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
-            rows.append(((record.engine, reason), record.setting + names))
-    groups = grouped(dict.fromkeys(rows))
-    return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in groups.items())
+def reasons(records: Iterable[Error], place: Callable[[Error], str]) -> list[str]:
+    """Details of records, each once, with engine, settings and the places that ``place`` names, "" for none."""
+    groups = grouped(((record.engine, record.detail), record) for record in records if record.detail)
+    lines = []
+    for (engine, detail), alike in groups.items():
+        settings = ", ".join(dict.fromkeys(record.setting for record in alike))
+        where = ", ".join(dict.fromkeys(filter(None, map(place, alike))))
+        lines.append(f"{engine} {settings}{f', {where}' if where else ''}: {detail.removesuffix('.')}.")
+    return lines
+
+
+def remedies(runs: Iterable[Sequence[Error]], place: Callable[[Error], str] = lambda _: "") -> list[str]:
+    """Advice on runs over their limits, each sentence once, with engine, settings and places."""
+    return reasons([run[0]._replace(detail=remedy(run)) for run in runs if run], place)
 
 
 def _runs_table(view: View, regime: Regime) -> Table:
@@ -162,7 +164,7 @@ def settings_words(details: Mapping[str, Any]) -> str:
     return ", ".join(f"{plain(name)} {value}" for name, value in table.items())
 
 
-# All errors of one mechanism at a glance: a dot per run and quantity, the limits as strokes.
+# All errors of one mechanism at a glance: a dot per run and quantity.
 
 
 ROW, FRAME = 0.22, 1.0  # inches of a row and of all else
@@ -173,18 +175,16 @@ LEAST_ERROR: Final = 1e-16
 
 
 def errors_figure(view: View, regime: Regime) -> Figure:
-    """The errors under a regime, shares of the peak on a log axis: a row per family, in it a lane per engine.
+    """The errors under a regime over their limits on a log axis: a row per family, in it a lane per engine.
 
-    A mark is the worst of its family in a run: naive is open, best outlined. Ticks are the limits of the setting shown.
+    A mark is an error of a run: naive is open, best outlined.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
-    known = [record for record in view.of(regime) if record.error_max is not None]
-    groups = grouped(((*record.run, family(record.quantity)), record) for record in known)
-    records = [worst(group) for group in groups.values()]
-    families = {family(record.quantity) for record in records}
+    known = [record for record in view.of(regime) if record.error_max is not None and record.limit]
+    families = {family(record.quantity) for record in known}
     rows = [name for part in columns(view.results) for name in part if name in families]
-    lanes, looks_of = sorted({record.engine for record in records}), looks(all_engines(view.results))
+    lanes, looks_of = sorted({record.engine for record in known}), looks(all_engines(view.results))
 
     def height(record: Error) -> float:
         """The height of a record's mark: its quantity's row and, within it, its engine's lane."""
@@ -193,17 +193,15 @@ def errors_figure(view: View, regime: Regime) -> Figure:
     def place(figure: Figure) -> None:
         """Draw a mark for every record, in its engine's colour and symbol."""
         axes = figure.subplots()
-        for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in records).items():
+        for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in known).items():
             look = looks_of[engine]
             colour = draw.PALETTE[int(look.ink[1:])]
             edge = draw.INK if LOOKS.get(setting) == "outlined" else colour
-            axes.plot([max(r.error_max or 0.0, LEAST_ERROR) for r in mine], [*map(height, mine)], MARKERS[look.symbol],
+            axes.plot([max(share(record), LEAST_ERROR) for record in mine], [*map(height, mine)], MARKERS[look.symbol],
                       color=colour, markeredgecolor=edge, label=f"{engine} {setting}",
                       fillstyle="none" if LOOKS.get(setting) == "open" else "full")  # fmt: skip
-        limits = [(r.limit, height(r)) for r in records if r.setting == view.shown_setting(regime) and r.limit]
-        axes.plot(*np.array(limits, dtype=float).reshape(-1, 2).T, "|", color=draw.LIMIT, label="limit")
-        axes.set(xscale="log", ylim=(len(rows) - 0.5, -0.5), xlabel="largest |error| / peak")
-        axes.xaxis.set_major_formatter("{x:.0e}")
+        axes.axvline(1.0, color=draw.LIMIT)
+        axes.set(xscale="log", ylim=(len(rows) - 0.5, -0.5), xlabel="largest error over its limit")
         axes.set_yticks(range(len(rows)), map(plain, rows))
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 

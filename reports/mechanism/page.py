@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,7 @@ from analytic.description.linkage import Linkage
 from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.trials.campaign.results import CampaignResults
 from reports.charts import draw
-from reports.charts.draw import PALETTE, WIDTH, drawn
+from reports.charts.draw import PALETTE, WIDTH, Array, drawn
 from reports.charts.scheme import thread_figure
 from reports.document.parts import (
     Bullets,
@@ -67,42 +67,32 @@ def released_section(sheet: Sheet) -> Section:
     """The section on released regimes: where the crank rests, how it settles, and its speed."""
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
-        figures = (_speed(sheet, regime, motion), *_last_turn(sheet, regime, motion))
+        figures = tuple(_released_figures(sheet, regime, motion))
         words = Bullets(tuple(lines("released_sheet", one=motion.facts, rpm=RPM)))
         parts.append(Section(anchor("released", regime), regime, (words, FigureGroup(figures))))
     return Section("released", "Released crank", tuple(parts))
 
 
-def _speed(sheet: Sheet, regime: str, motion: Released) -> PageFigure:
-    """The figure of the crank's speed over time in a released regime."""
+def _released_figures(sheet: Sheet, regime: str, motion: Released) -> Iterator[PageFigure]:
+    """Figures of the crank's speed over time, and of speed and acceleration over a last whole turn if it makes one."""
+    name, words = anchor("released", regime), f"Crank speed under {regime}."
+    speed = {"n, rpm": motion.motion["omega"] / RPM}
+    drawing = partial(_plot_panels, motion.motion["time"], "time, s", speed)
+    yield page_figure(sheet, name, words, words, partial(drawn, WIDTH, 2.8, drawing))
+    if turn := motion.last_turn:
+        panels = {"n, rpm": turn["omega"] / RPM, "ε, rad/s²": turn["epsilon"]}
+        drawing = partial(_plot_panels, np.degrees(turn["phi"]), "crank angle φ, °", panels, turn=True)
+        caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
+        words = f"last turn under {regime}"
+        yield page_figure(sheet, f"{name}-last-turn", caption, words, partial(drawn, WIDTH, 2.8, drawing))
 
-    def place(figure: Figure) -> None:
-        """Draw the crank's speed, rpm, over time."""
-        axes = figure.subplots()
-        axes.plot(motion.motion["time"], motion.motion["omega"] / RPM)
-        draw.finish(axes, "time, s", "n, rpm")
 
-    words = f"Crank speed under {regime}."
-    return page_figure(sheet, anchor("released", regime), words, words, partial(drawn, WIDTH, 2.8, place))
-
-
-def _last_turn(sheet: Sheet, regime: str, motion: Released) -> tuple[PageFigure, ...]:
-    """The figure of speed and acceleration over the last whole turn; () where the crank makes none."""
-    if not motion.last_turn:
-        return ()
-    turn = motion.last_turn
-
-    def place(figure: Figure) -> None:
-        """Draw speed and acceleration over the crank angle, one below the other."""
-        upper, lower = figure.subplots(2, sharex=True)
-        upper.plot(np.degrees(turn["phi"]), turn["omega"] / RPM)
-        lower.plot(np.degrees(turn["phi"]), turn["epsilon"], color=PALETTE[1])
-        draw.finish(upper, "", "n, rpm", turn=True)
-        draw.finish(lower, "crank angle φ, °", "ε, rad/s²", turn=True)
-
-    caption = f"Its last turn, which ends at φ = {np.degrees(motion.facts['end']):.1f}°."
-    name = anchor("released", regime, "last-turn")
-    return (page_figure(sheet, name, caption, f"last turn under {regime}", partial(drawn, WIDTH, 2.8, place)),)
+def _plot_panels(x: Array, label: str, panels: Mapping[str, Array], figure: Figure, *, turn: bool = False) -> None:
+    """Draw values by their labels over the same ``x``, one below the other."""
+    column = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+    for axes, (y_label, values), colour in zip(column, panels.items(), PALETTE, strict=False):
+        axes.plot(x, values, color=colour)
+        draw.finish(axes, label if axes is column[-1] else "", y_label, turn=turn)
 
 
 # The page of one mechanism: what its designer wants, then how the engines did.

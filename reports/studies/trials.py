@@ -122,7 +122,7 @@ class Comparison(Trials):
         return [text for linkage in self.results.linkages for text in warnings(linkage)]
 
     def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
-        """Every error and limit of a mechanism under a regime, the first ones by default, as a figure of matplotlib.
+        """Every error over its limit, of a mechanism under a regime, by default the first ones, as a matplotlib figure.
 
         Raises UnknownNameError for a name that was not compared.
         """

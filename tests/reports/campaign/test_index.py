@@ -44,7 +44,7 @@ def test_the_verdict_stands_before_every_section(page):
 
 def test_a_picture_has_a_dot_for_every_engine_and_setting_that_leads_to_its_worst_curve(page):
     figures = page.parts[1].data["figures"]
-    assert figures[0]["name"] == "Mkr/Peq"
+    assert figures[0]["name"] == "Mkr"
     alpha, beta, gamma = figures[0]["data"]
     assert [len(one["x"]) for one in (alpha, beta, gamma)] == [3, 3, 0]
     assert all(0.0 < error < 10.0 for error in beta["y"])
