@@ -5,12 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from analytic.description.linkage import GROUND
 from analytic.description.loading import load, parse
-from analytic.dynamics.reduced import generalised_force
-from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.linkages import JUKI, from_text, mechanism, message_of, text_of
 from tests.analytic.tolerances import EPS
 
@@ -90,17 +87,6 @@ def test_a_force_on_the_ground_is_left_out_and_loads_keep_their_order():
     on_ground = '\n[[forces]]\npoint = "O1"\nforce = [1, 2]\n'
     forces = _with(on_ground + FORCE + FORCE.replace('"D"', '"A"')).forces
     assert [(force.point, force.number) for force in forces] == [("D", 1), ("A", 2)]
-
-
-@pytest.mark.parametrize("joined", ["linear", "spline"])
-def test_a_table_is_joined_by_lines_or_by_a_spline_and_drives_the_crank_by_it(joined):
-    phi, values = np.radians([10.0, 95.0, 200.0, 300.0]), np.array([1.0, -3.0, 2.0, 0.5])
-    loaded, bare = (Mechanism(_with(one)) for one in (f'{TORQUE}interpolation = "{joined}"\n', ""))
-    at = np.linspace(0.0, 2.0 * np.pi, 720)
-    torque = generalised_force(loaded.sweep(at)) - generalised_force(bare.sweep(at))
-    through = CubicSpline([*phi, phi[0] + 2.0 * np.pi], [*values, values[0]], bc_type="periodic")
-    true = through(at) if joined == "spline" else np.interp(at, phi, values, period=2.0 * np.pi)
-    assert torque == pytest.approx(true, abs=1e-12)
 
 
 def test_sizes_of_a_linkage():

@@ -130,14 +130,6 @@ def test_pieces_of_a_law_meet_without_a_jump_and_a_true_jump_is_seen():
             assert before.value(before.end, 1) == pytest.approx(after.value(after.start, 1), abs=6e-14)
 
 
-def test_a_sequence_goes_from_angle_to_angle():
-    motion = sequence("tour", 0.1, [Move(0.2, 1.5, "cycloidal"), Move(0.3), Move(0.4, -0.5, "modified-sine")])
-    assert motion.duration == pytest.approx(0.9)
-    assert motion.angle([0.0, 0.2, 0.35, 0.5, 0.9]) == pytest.approx([0.1, 1.5, 1.5, 1.5, -0.5])
-    assert motion.reach == pytest.approx((-0.5, 1.5))
-    assert motion.jumps == ()
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [

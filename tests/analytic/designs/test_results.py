@@ -262,18 +262,3 @@ def test_a_mean_is_the_integral_over_the_motion_whatever_the_samples(name, figur
         options = {"speed": 20.0, "period": period, "refine": refine, "path": "numpy"}
         result = design_figures(sample, {}, means, angle, **options)
         np.testing.assert_allclose(result, expected, rtol=1e-9, err_msg=f"{count} {refine}")
-
-
-@pytest.mark.nightly
-def test_either_path_gives_the_figures():
-    pytest.importorskip("numba")
-    sample = mechanism("rimoldi-164")
-    parameters = {name: varied(sample, 5, 200, 0.06)[name] for name in ("rod.B.x", "rocker.C.x", "rod.mass")}
-    figures = [Figure(name, Reduction.PEAK) for name in ("Mkr", "S", "joint_force:A:magnitude")]
-    plain, compiled = (
-        design_figures(sample, parameters, figures, TURN, speed=SPEED, period=FULL_TURN, path=path)
-        for path in ("numpy", "compiled")
-    )
-    assert 0 < np.count_nonzero(np.isnan(plain[0])) < 200
-    np.testing.assert_array_equal(np.isnan(plain), np.isnan(compiled))
-    assert np.nanmax(np.abs(plain - compiled) / np.nanmax(np.abs(plain), axis=1, keepdims=True)) <= SAME
