@@ -93,12 +93,12 @@ PENDULUM_RATE = math.sqrt(2 * 9.81 * 0.5 / (0.1 + 2 * 0.25))  # rad/s, of small 
 DOUBLE_ROCKER = file_text("double-rocker")
 
 
-def four_bar(ground, crank, coupler, rocker, start):
-    """The text of a four-bar in m that is sketched at a crank angle, rad, with C left of A→B."""
+def four_bar(ground, crank, coupler, rocker, start, *, side=1):
+    """The text of a four-bar in m that is sketched at a crank angle, rad, with C left (1) or right (-1) of A→B."""
     x, y = crank * math.cos(start), crank * math.sin(start)
     gap = math.hypot(ground - x, y)
     along = (gap**2 + coupler**2 - rocker**2) / (2 * gap)
-    across = math.sqrt(max(coupler**2 - along**2, 0.0))
+    across = side * math.sqrt(max(coupler**2 - along**2, 0.0))
     c = (x + (along * (ground - x) + across * y) / gap, y + (-along * y + across * (ground - x)) / gap)
     text = DOUBLE_ROCKER.replace('"mm"', '"m"').replace('angle = "deg"', 'angle = "rad"')
     numbers = {"B = [100": ground, "A = [80": crank, "C = [60": coupler, "C = [90": rocker}

@@ -6,7 +6,7 @@ import pytest
 
 from analytic.errors import AssemblyError
 from analytic.kinematics.error_bounds import ErrorBounds
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import four_bar, from_text, mechanism
 
 # Of poses (m, and cosines), first and second derivatives, beside change points and away from them.
 EXACT = (4e-15, 2e-14, 1e-13)
@@ -14,26 +14,6 @@ EXACT = (4e-15, 2e-14, 1e-13)
 CHAINED = (3e-14, 1e-12, 1e-10)
 DIGITS = 120
 ANGLE = np.concatenate([np.linspace(-13.0, 13.0, 90), [0.0, np.pi, 1e-9, -1e-7, np.pi - 1e-5, np.pi + 0.3, 7.0]])
-FOUR_BAR = """
-title = "change-point four-bar"
-units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }}
-crank = "crank"
-ground = {{ O1 = [0, 0], O2 = [{g}, 0] }}
-[links.crank]
-points = {{ O1 = [0, 0], A = [{a}, 0] }}
-[links.coupler]
-points = {{ A = [0, 0], B = [{b}, 0] }}
-[links.rocker]
-points = {{ O2 = [0, 0], B = [{c}, 0] }}
-[sketch]
-angle = {angle}
-points = {{ B = [{x}, {y}] }}
-"""
-
-
-def four_bar(lengths, angle, place):
-    g, a, b, c = lengths
-    return from_text(FOUR_BAR.format(g=g, a=a, b=b, c=c, angle=angle, x=place[0], y=place[1]))
 
 
 def turn_of(sweep):
@@ -69,18 +49,18 @@ def signed(phi, g, a, b, c):
 
 
 CASES = {
-    "parallelogram": ("0.06", "0.025", "0.06", "0.025", 1.5, 0.06, 0.025, 2),
-    "antiparallelogram": ("0.06", "0.025", "0.06", "0.025", 1.5, 0.04, -0.015, 2),
-    "crank shortest": ("4", "1", "2", "3", 1.5, 3.2, 1.8, 1),
-    "frame shortest": ("1", "3", "2.5", "1.5", 1.5, 1.0, 1.5, 1),
-    "rhombus": ("1", "1", "1", "1", 1.5, 1.0, 1.0, 2),
+    "parallelogram": ("0.06", "0.025", "0.06", "0.025", 1, 2),
+    "antiparallelogram": ("0.06", "0.025", "0.06", "0.025", -1, 2),
+    "crank shortest": ("4", "1", "2", "3", 1, 1),
+    "frame shortest": ("1", "3", "2.5", "1.5", 1, 1),
+    "rhombus": ("1", "1", "1", "1", 1, 2),
 }
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_motion_through_change_points_is_that_of_a_hundred_digits(name):
-    *lengths, start, x, y, points = CASES[name]
-    sample = four_bar(lengths, start, (x, y))
+    *lengths, side, points = CASES[name]
+    sample, start = from_text(four_bar(*map(float, lengths), 1.5, side=side)), 1.5
     sweep = sample.sweep(ANGLE)
     (c, s), first, second = turn_of(sweep)
     ways = [followed(lengths, side) for side in (1, -1)]
@@ -119,17 +99,17 @@ def test_pins_that_cross_in_every_window_add_up_no_rounding():
 @pytest.mark.parametrize("share", [1e-6, -1e-6, 1e-12])
 def test_a_miss_is_no_change_point(share):
     """A rocker longer than the crank all but closes the linkage; a shorter one cannot be assembled there."""
-    sample = four_bar((0.06, 0.025, 0.06, repr(0.025 * (1.0 + share))), 1.5, (0.06, 0.025))
+    sample = from_text(four_bar(0.06, 0.025, 0.06, 0.025 * (1.0 + share), 1.5))
     assert sample.changes == ()
 
 
 def test_lengths_that_rounding_makes_unequal_are_equal():
-    sample = four_bar((repr(0.1 + 0.2), 0.1, 0.3, 0.1), 1.5, (0.3, 0.1))
+    sample = from_text(four_bar(0.1 + 0.2, 0.1, 0.3, 0.1, 1.5))
     assert len(sample.changes) == 2
 
 
 def test_a_folded_kite_is_undetermined():
-    kite = four_bar((1, 1, 0.75, 0.75), 1.0, (1.2, 0.7))
+    kite = from_text(four_bar(1.0, 1.0, 0.75, 0.75, 1.0))
     assert kite.changes == ()
     with pytest.raises(AssemblyError, match=r"is undetermined at 0°: .* outer pins on top of each other"):
         kite.check_determined(-1.0, 1.0)
@@ -143,11 +123,12 @@ def test_on_a_change_point_nothing_may_rest():
     sample.check_rest(0.01)
 
 
-TURNED_ROUND = """
+FIRST = four_bar(4.0, 1.0, 3.5, 2.5, 1.5)
+NEXT = """
 [links.second]
-points = {{ D = [0, 0], E = [3, 0] }}
+points = { D = [0, 0], E = [3, 0] }
 [links.third]
-points = {{ O3 = [0, 0], E = [1, 0] }}
+points = { O3 = [0, 0], E = [1, 0] }
 """
 
 
@@ -156,16 +137,17 @@ def test_a_rocker_that_turns_round_at_a_change_point_of_the_next_dyad_is_followe
     """Its rocker drives a parallelogram and turns round ``over`` before its change point, rad, or beyond it."""
     most = mp.mpf("4.5")  # crank and coupler in one line
     turn = float(mp.atan2(mp.sqrt(most**2 - ((most**2 + 9.75) / 8) ** 2), (most**2 + 9.75) / 8 - 4))
-    text = FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4) + TURNED_ROUND.format()
-    text = text.replace("B = [2.5, 0] }", f"B = [2.5, 0], D = [{np.cos(over - turn)}, {np.sin(over - turn)}] }}", 1)
-    text = text.replace("O2 = [4, 0] }", "O2 = [4, 0], O3 = [7, 0] }")
-    theta = float(
-        from_text(FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4)).sweep(1.5).angles("rocker")
-    )
-    place = 7.0 + np.cos(theta + over - turn), np.sin(theta + over - turn)
-    sample = from_text(
-        text.replace("points = { B = [3.2, 2.4] }", f"points = {{ B = [3.2, 2.4], E = [{place[0]}, {place[1]}] }}")
-    )
+    place = 7.0 + np.exp(1j * (float(from_text(FIRST).sweep(1.5).angles("rocker")) + over - turn))
+    text = FIRST
+    for old, new in (
+        ("C = [2.5, 0]", f"C = [2.5, 0], D = [{np.cos(over - turn)}, {np.sin(over - turn)}]"),
+        ("B = [4.0, 0]", "B = [4.0, 0], O3 = [7, 0]"),
+        ("points = { C = [3", f"points = {{ E = [{place.real}, {place.imag}], C = [3"),
+        ("[sketch]", f"{NEXT}[sketch]"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    sample = from_text(text)
     if points is None:
         with pytest.raises(AssemblyError, match="is undetermined at 33"):
             sample.check_full_turn()

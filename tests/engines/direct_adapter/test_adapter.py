@@ -16,8 +16,16 @@ from comparisons.motion.case import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
-from tests.analytic.kinematics.test_change_points import four_bar
-from tests.analytic.linkages import FULL_TURN, MADE_UP, ODD, double_rocker_text, from_text, mechanism, on_trial
+from tests.analytic.linkages import (
+    FULL_TURN,
+    MADE_UP,
+    ODD,
+    double_rocker_text,
+    four_bar,
+    from_text,
+    mechanism,
+    on_trial,
+)
 from tests.engines.closed_form import EVERYTHING, crank_number, driven, errors_of, history_of, with_body
 
 ENGINE = DirectEngine()
@@ -127,7 +135,7 @@ def test_a_released_parallelogram_swings_between_its_change_points():
     "share", [0.0, -1e-13, *(pytest.param(one, marks=pytest.mark.nightly) for one in (1e-13, -1e-9))]
 )
 def test_a_change_point_is_not_passed_nor_one_that_is_just_missed(share):
-    linkage = four_bar((0.06, 0.025, 0.06, repr(0.025 * (1.0 + share))), 1.5, (0.06, 0.025))
+    linkage = from_text(four_bar(0.06, 0.025, 0.06, 0.025 * (1.0 + share), 1.5))
     motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (1.0, 60.0)),))
     run = ENGINE.run(driven(linkage, motion, frozenset({Channel.POSITION})), Setting.TUNED)
     assert run.outcome is Outcome.DIVERGED
