@@ -117,7 +117,7 @@ def assert_written(text, variant, numbers, ulps=1):
         assert abs(value - meant[name]) <= size, name
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.sampled_from(DESIGNS), st.data())
 def test_any_numbers_are_written_to_the_last_digit(design, data):
     name, variant = design
@@ -196,7 +196,7 @@ def test_of_two_loads_of_one_name_each_is_written_where_it_stands():
     assert_written(text, None, {"forces.D.x": 7.0})
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(mutated_files())
 def test_what_can_be_read_can_be_written(text):
     try:

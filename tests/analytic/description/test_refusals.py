@@ -238,7 +238,7 @@ def _fault_of(text):
     return None
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(mutated_files())
 def test_any_fault_of_a_file_is_one_sentence(text):
     fault = _fault_of(text)

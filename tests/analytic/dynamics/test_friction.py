@@ -86,7 +86,9 @@ def test_forces_have_two_values_where_the_ram_turns_back():
     assert near_load_jumps(sample, np.append(places, places + 1e-3)).tolist() == [True, True, False, False]
 
 
-@pytest.mark.parametrize(("name", "limit"), [("direct", 1e-13), ("mujoco", 1e-8)])
+@pytest.mark.parametrize(
+    ("name", "limit"), [("direct", 1e-13), pytest.param("mujoco", 1e-8, marks=pytest.mark.nightly)]
+)
 def test_engines_that_take_friction_find_the_same_from_rest_on(name, limit):
     joints = "D = { radius = 9, coefficient = 0.2 }, ram = { coefficient = 0.1 }"
     table = f"friction = {{ O = {{ radius = 8, coefficient = 0.1 }}, {joints} }}"

@@ -205,9 +205,10 @@ def test_sweep_optimise_and_tolerance_say_it(tmp_path):
         ("optimise", file, "--over", range_, "--minimise", "Mkr.peak"),
         ("tolerance", file, tolerances, "--samples", "10"),
     ):
-        [text] = of_command(*words)["warnings"]
+        done = linkproof(*words, "--json")
+        [text] = json.loads(done.stdout)["warnings"]
         assert re.match(r"Mkr\.peak.* at an open end of the motion: .*--from 40 --to 127", text)
-        assert text in linkproof(*words).stderr
+        assert text in done.stderr
         inside = of_command(*words, "--from", "40", "--to", "120")
         assert inside["warnings"] == []
 

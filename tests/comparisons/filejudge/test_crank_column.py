@@ -57,7 +57,9 @@ def test_speeds_in_place_of_angles_come_back():
 
 
 @pytest.mark.parametrize("law", ["cycloidal", *(pytest.param(law, marks=pytest.mark.nightly) for law in AT_REST)])
-@pytest.mark.parametrize(("back", "dwell"), [(False, 0.05), (True, 0.05), (True, 0.0)])
+@pytest.mark.parametrize(
+    ("back", "dwell"), [pytest.param(False, 0.05, marks=pytest.mark.nightly), (True, 0.05), (True, 0.0)]
+)
 @pytest.mark.parametrize("digit", [0.01, 1e-13])
 def test_swings_are_known_from_their_rounded_angles(law, back, dwell, digit):
     true = swing(law, 100.0 * DEGREE, 150.0 * DEGREE, time=0.2, dwell=dwell, back=back)

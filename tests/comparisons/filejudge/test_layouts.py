@@ -33,7 +33,7 @@ def curves(draw):
     return np.arange(len(values)) * 0.5, values
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(
     curve=curves(),
     signs=st.sampled_from([",.", ";.", ";,", "\t.", "\t,", " .", " ,"]),
