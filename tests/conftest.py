@@ -41,3 +41,10 @@ def _workers_are_forked_with_what_they_need():
 def _at_a_browser():
     """A browser is there, or the test is skipped or fails."""
     browser.demand()
+
+
+@pytest.fixture(scope="session")
+def launched(_at_a_browser):
+    """One browser for all tests of a process: a function from its name."""
+    with browser.launching() as found:
+        yield found

@@ -12,7 +12,7 @@ from analytic.description.json_schema import json_schema
 from comparisons.trials.judging.limits import shipped_limits
 from docs.making.pages import FOLDER, keys, limits, reference
 from docs.making.tables import renewed
-from tests.pages.browser import PATIENCE, started
+from tests.pages.browser import PATIENCE
 from tests.sources import PACKAGES
 
 ROOT = Path(__file__).parents[2]
@@ -48,10 +48,9 @@ def test_every_page_of_the_folder_is_in_the_navigation(site):
     assert not missing
 
 
-@pytest.mark.usefixtures("_at_a_browser")
-def test_the_site_is_searched_from_the_disk(site):
-    with started() as chromium:
-        page = chromium.new_page()
+def test_the_site_is_searched_from_the_disk(site, launched):
+    with launched("chromium").new_context() as context:
+        page = context.new_page()
         page.set_default_timeout(PATIENCE)
         requested = []
         page.on("request", lambda request: requested.append(request.url))

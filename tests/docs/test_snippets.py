@@ -193,6 +193,7 @@ def test_a_script_of_a_fault_prints_what_its_page_shows(file, text, shown, shell
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "tutorial.ipynb"
 
 
+@pytest.mark.nightly  # docs/python.md shows the same calls
 def test_every_cell_prints_what_the_notebook_shows(monkeypatch):
     """Cells are run in this process, which knows what they defined as a kernel does; pictures are counted."""
     known, pictures = {}, []

@@ -9,8 +9,8 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.util import find_spec
@@ -116,18 +116,31 @@ def demand() -> None:
 
 
 @contextmanager
-def started(name: str = "chromium") -> Iterator[Any]:
-    """The browser without a window; a Firefox as its makers ship it speaks WebDriver BiDi."""
+def launching() -> Iterator[Callable[[str], Any]]:
+    """A function from a browser's name to that browser without a window, which is started once and closed at the end.
+
+    A Firefox as its makers ship it speaks WebDriver BiDi.
+    """
     from playwright.sync_api import sync_playwright
 
     options = {"chromium": {"args": ["--no-sandbox", "--disable-gpu"]}, "firefox": {"channel": "moz-firefox"}}
-    program = executable(name)  # which may start a driver of its own, and two cannot run at a time
-    with sync_playwright() as driver:
-        browser = getattr(driver, name).launch(executable_path=program, **options[name])
-        try:
-            yield browser
-        finally:
-            browser.close()
+    executable()  # which may start a driver of its own, and two cannot run at a time
+    with sync_playwright() as driver, ExitStack() as stack:
+
+        @cache
+        def launched(name: str) -> Any:
+            browser = getattr(driver, name).launch(executable_path=executable(name), **options[name])
+            stack.callback(browser.close)
+            return browser
+
+        yield launched
+
+
+@contextmanager
+def started() -> Iterator[Any]:
+    """Chromium without a window."""
+    with launching() as launched:
+        yield launched("chromium")
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import pytest
 from analytic.description.loading import catalogue, literature, load
 from tests.analytic.linkages import text_of
 from tests.commands import linkproof, watching
-from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, opened, started
+from tests.pages.browser import NAMES, PATIENCE, WIDTHS, executable, opened
 from tests.pages.live_page import (
     AT_HAND,
     FOUR_BAR,
@@ -29,8 +29,6 @@ from tests.pages.live_page import (
     worst,
 )
 
-pytestmark = pytest.mark.usefixtures("_at_a_browser")
-
 E11 = (Path(__file__).parents[1] / "linkages" / "designer" / "e11.toml").read_text(encoding="utf-8")
 SAME = 1e-13  # of the peak
 CHANGES = 2
@@ -44,19 +42,19 @@ SAVED = """() => [...document.querySelectorAll('.live-number.changed input[type=
 
 
 @pytest.fixture(scope="module")
-def browser(request):
+def browser(request, launched):
     """Chromium, or another one by its name."""
     name = getattr(request, "param", "chromium")
     from playwright.sync_api import Error
 
     if executable(name) is None:
         pytest.skip(f"no {name} on this machine")
-    with started(name) as found:
-        try:
-            found.new_context(offline=True).close()
-        except Error as error:
-            pytest.skip(f"this Playwright cannot drive this {name}: {error}")
-        yield found
+    found = launched(name)
+    try:
+        found.new_context(offline=True).close()
+    except Error as error:
+        pytest.skip(f"this Playwright cannot drive this {name}: {error}")
+    return found
 
 
 SLOW = pytest.mark.nightly
@@ -279,7 +277,8 @@ def test_peaks_at_an_open_end_of_a_range_are_marked(browser, page_of):
 
 
 @pytest.mark.parametrize(
-    ("name", "width", "theme"), [("stephenson-six-bar", WIDTHS[0], "dark"), ("four-bar", WIDTHS[1], "light")]
+    ("name", "width", "theme"),
+    [pytest.param("stephenson-six-bar", WIDTHS[0], "dark", marks=SLOW), ("four-bar", WIDTHS[1], "light")],
 )
 def test_it_is_legible_and_answers_keys_on_a_screen_and_on_a_phone(browser, page_of, name, width, theme):
     with at_work(browser, page_of(name, TEXTS.get(name, "")), width=width, theme=theme) as seen:
@@ -325,7 +324,7 @@ def test_names_from_a_file_and_addresses_are_data(browser, page_of):
         assert seen.faults == []
 
 
-@pytest.mark.parametrize("end", ["AAAA", "q1YqSyxSslJKSy0qVqoFAA"])  # no stream, no linkage
+@pytest.mark.parametrize("end", [pytest.param("AAAA", marks=SLOW), "q1YqSyxSslJKSy0qVqoFAA"])  # no stream, no linkage
 def test_an_address_without_a_linkage_is_refused_in_a_sentence(browser, page_of, end):
     with opened(browser, page_of("four-bar", FOUR_BAR), fragment=f"model={end}") as seen:
         seen.page.locator("h1").get_by_text("This address has no linkage").wait_for()

@@ -18,9 +18,7 @@ from reports.document.html import _PageFiles
 from reports.site import write_site
 from tests.commands import empty_picture
 from tests.made_up import made_up_bench, made_up_results, made_up_stress
-from tests.pages.browser import WIDTHS, opened, started
-
-pytestmark = pytest.mark.usefixtures("_at_a_browser")
+from tests.pages.browser import WIDTHS, opened
 
 MOST_SCREENS, MOST_NODES, MOST_BYTES, MOST_SHEETS = 12, 6_000, 1_500_000, 12
 INDEX_SCREENS = 3
@@ -45,10 +43,9 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    with started() as found:
-        yield found
+@pytest.fixture
+def chromium(launched):
+    return launched("chromium")
 
 
 def _use_every_control(page) -> None:
@@ -86,7 +83,7 @@ def test_a_page_is_complete_legible_and_of_a_size_to_be_read_and_its_controls_an
 
 
 @pytest.mark.parametrize(
-    "name", [INDEX, MECHANISM, *(pytest.param(page, marks=pytest.mark.nightly) for page in STUDIES)]
+    "name", [MECHANISM, *(pytest.param(page, marks=pytest.mark.nightly) for page in (INDEX, *STUDIES))]
 )
 def test_a_page_is_legible_on_a_phone_at_night(chromium, report, name):
     with opened(chromium, report / name, WIDTHS[1], "dark") as look:

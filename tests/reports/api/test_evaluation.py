@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import linkproof
-from analytic.description.loading import parse
 from reports.designs.labels import label
 from tests.analytic.linkages import path_of
 from tests.commands import linkproof as command
@@ -81,19 +80,9 @@ def test_bad_input_is_refused(words, options, sentence):
         linkproof.evaluate("juki-mf7923d", *words, **options)
 
 
-@pytest.mark.parametrize(
-    ("words", "options"),
-    [
-        (["rimoldi-164", "--speed", "-1200"], {"motion": linkproof.Motion(speed=-1200)}),
-        (
-            ["juki-mf7923d", "--at", "0,90.5", "--no-gravity"],
-            {"at": [0, 90.5], "motion": linkproof.Motion(gravity=False)},
-        ),
-    ],
-)
-def test_every_signal_is_the_commands(words, options):
-    document = json.loads(command("results", *words, "--json").stdout)
-    found = linkproof.results(words[0], **options).dataset
+def test_every_signal_is_the_commands():
+    document = json.loads(command("results", "juki-mf7923d", "--at", "0,90.5", "--no-gravity", "--json").stdout)
+    found = linkproof.results("juki-mf7923d", linkproof.Motion(gravity=False), at=[0, 90.5]).dataset
     assert found.attrs["conditions"] == document["conditions"]
     assert found.sizes[document["axis"]] == len(document["values"]["time"])
     for name, values in document["values"].items():
@@ -114,35 +103,11 @@ def test_words_of_signals_are_accepted_as_their_symbols_are():
         _ = found["torqe"]
 
 
-def test_a_mapping_of_the_form_of_a_file_is_a_linkage():
-    text = linkproof.load("juki-mf7923d").text
-    assert linkproof.check(tomllib.loads(text)).facts["mobility"] == linkproof.check("juki-mf7923d").facts["mobility"]
-    torques = [linkproof.results(each)["Mkr"].values for each in (tomllib.loads(text), "juki-mf7923d")]
-    assert np.array_equal(*torques)
-
-
-def test_a_loaded_linkage_and_a_path_are_the_same():
+def test_a_loaded_linkage_a_mapping_of_the_form_of_a_file_and_a_path_are_the_same():
     motor = path_of("linear-motor")
-    assert linkproof.results(motor).dataset.identical(linkproof.results(linkproof.load(motor)).dataset)
+    linkage = linkproof.load(motor)
+    expected = linkproof.results(motor).dataset
+    assert linkproof.results(linkage).dataset.identical(expected)
+    assert np.array_equal(linkproof.results(tomllib.loads(linkage.text))["Mkr"], expected["Mkr"])
     loaded = linkproof.results(linkproof.load("juki-mf7923d"), linkproof.Motion(variant="as-printed")).dataset
     assert loaded.identical(linkproof.results("juki-mf7923d", linkproof.Motion(variant="as-printed")).dataset)
-
-
-def test_an_optimum_has_the_numbers_and_figures_of_the_command():
-    words = ["rimoldi-164", "--minimise", "Mkr.peak", "--over", "rod.B.x=172:178", "--over", "rocker.B.x=±5%"]
-    words += ["--keep", "stroke=30.9:31", "--keep", "Jeq.mean"]
-    document = json.loads(command("optimise", *words, "--json", "-q").stdout)
-    over, keep = {"rod.B.x": (172, 178), "rocker.B.x": "±5%"}, {"stroke": (30.9, 31), "Jeq.mean": None}
-    found = linkproof.optimise("rimoldi-164", minimise="Mkr.peak", over=over, keep=keep).dataset
-    for row in document["figures"]:
-        scale = {"mm": 1e-3, "deg": 0.017453292519943295}.get(found[row["name"]].attrs["units"], 1.0)
-        assert found[row["name"]].values * scale == pytest.approx([row["before"], row["after"]], rel=1e-14)
-    for row in document["numbers"]:
-        assert found[row["name"]].sel(design="after") * 1e-3 == pytest.approx(row["after"], rel=1e-14)
-        assert found[row["name"]].attrs["low"] * 1e-3 == pytest.approx(row["low"], rel=1e-14)
-    new, written = (
-        parse(found.attrs["toml"], "new", "new"),
-        {row["name"]: row["written"] for row in document["numbers"]},
-    )
-    assert new.links["rod"].points["B"][0] == pytest.approx(written["rod.B.x"], rel=1e-14)
-    assert found.attrs["residual"] < 1e-6

@@ -1,6 +1,5 @@
 """``linkproof.compare``, ``check``, ``check_engine``, ``judge``: results as values, printed as the commands print."""
 
-import json
 import re
 
 import numpy as np
@@ -90,15 +89,6 @@ def curves(tmp_path, monkeypatch):
 @pytest.fixture(autouse=True)
 def _one_check(monkeypatch):
     monkeypatch.setattr(conformance, "CHECKS", {"identity": conformance.CHECKS["identity"]})
-
-
-def test_the_facts_of_a_check_are_the_commands_and_a_fault_is_a_fact(tmp_path):
-    printed = command("check", "rimoldi-164", "--json").stdout
-    assert json.loads(json.dumps(linkproof.check("rimoldi-164").facts)) == json.loads(printed)
-    text = linkproof.load(NAME).text
-    assert "D = [54.5, 0]" in text
-    (tmp_path / "short.toml").write_text(text.replace("D = [54.5, 0]", "D = [1, 0]"))
-    assert "cannot be assembled" in linkproof.check(tmp_path / "short.toml").facts["fault"]
 
 
 def test_results_of_another_tool_are_judged(curves):

@@ -112,7 +112,7 @@ def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
 @pytest.mark.parametrize(
     ("name", "motion"),
     [
-        ("juki-mf7923d", {"from_angle": 200.0, "to_angle": 30.0}),
+        pytest.param("juki-mf7923d", {"from_angle": 200.0, "to_angle": 30.0}, marks=pytest.mark.nightly),
         (path_of("linear-motor"), {"from_angle": 20.0, "to_angle": 100.0, "speed": 50.0}),
     ],
 )

@@ -95,10 +95,6 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named_and_left_o
     assert "not installed, left out: pymunk" in done.stderr
 
 
-def test_control_characters_of_a_file_do_not_reach_the_terminal():
-    assert refused("check", LINKAGES / "control-characters.toml").rstrip("\n").isprintable()
-
-
 def test_a_quiet_run_prints_one_line_and_a_verbose_one_every_record():
     words = ("compare", NAME, "--engine", "direct", "--quantity", "joint_force", "--jobs", "0")
     quiet = linkproof(*words, "--quiet")
@@ -135,13 +131,6 @@ def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
         done = linkproof("check", NAME)
         assert (done.returncode, done.stderr) == (0, "")
         assert "a working folder" in refused("results", NAME, "--save", "curves.csv")
-
-
-# What follows is about a process: each test starts one.
-def test_output_to_a_small_character_set_is_readable():
-    done = process("results", NAME, text=False, PYTHONIOENCODING="cp1252")
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert "phi from 0° to 360°" in done.stdout.decode("cp1252")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
