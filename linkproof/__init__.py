@@ -59,12 +59,12 @@ def refuse_strangers() -> None:
 
 
 def _scheme(linkage: Linkage) -> Any:  # noqa: ANN401 - a figure of matplotlib
-    """The figure that ``Linkage.plot`` returns."""
+    """The scheme that ``Linkage.plot`` returns, a figure of matplotlib."""
     return import_module("reports.api.designer").check(linkage).plot()
 
 
 def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
-    """The value of a public name, unchanged; for ``Linkage`` and ``load`` it also enables ``Linkage.plot``."""
+    """The value of a public name, unchanged; for ``Linkage`` and ``load`` it also gives Linkage its ``plot``."""
     if name in ("Linkage", "load"):
         import_module("analytic.description.linkage").Linkage.drawing = staticmethod(_scheme)
     return value

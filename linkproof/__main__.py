@@ -4,7 +4,7 @@ from linkproof import refuse_strangers
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line of ``sys.argv``; raises ImportError first if another package stands in linkproof's place."""
     refuse_strangers()
     from reports.command_line.main import main as run  # noqa: PLC0415  not a stranger's
 

@@ -54,7 +54,10 @@ def positions_over_range(mechanism: Mechanism) -> Positions:
 
 
 def positions_over_motion(curves: Curves) -> Positions:
-    """The positions of a case's bodies: over one turn where its motion makes one, else over the motion."""
+    """The positions of a case's bodies: over φ of one turn if its motion makes one, else over the motion's time.
+
+    The turn is the mechanism's period.
+    """
     case = curves.case
     mechanism, (low, high) = case.mechanism, case.reach
     if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - TURN_ROUNDING):
@@ -69,7 +72,7 @@ def positions_over_motion(curves: Curves) -> Positions:
 
 
 def positions_at(mechanism: Mechanism, angle: Array, *, closed: bool) -> Positions:
-    """The positions of all bodies at φ (n,), rad or m; ``closed`` if that is a whole turn."""
+    """The positions of all bodies over φ (n,), rad or m; ``closed`` if that is a whole turn."""
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
@@ -88,9 +91,8 @@ MOST_NUMBERS: Final = 40_000  # of all its signals
 def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
     """The case of a linkage's page: a turn at the speed at which the first motion ends, else at 1000 rpm.
 
-    A crank that makes no turn follows the first motion, or swings over its range.
-
-    Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
+    A crank that makes no turn follows the first motion, or swings over its range. Motions of the linkage's own count by
+    the names of their ``regimes``, after those ``prescribed``; for a crank without a turn, the rest of them last.
     """
     reach = mechanism.crank_range()
     of_file = {
@@ -105,7 +107,10 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 
 
 def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bool = False) -> CrankMotion:
-    """A swing over a range, short of its limits, at ``speed``, rad/s; a linear drive takes one second."""
+    """A swing over a range, short of its limits, at ``speed``, rad/s; a linear drive takes about one second.
+
+    ``backwards`` it begins at the upper end.
+    """
     first, last = inset_ends(reach, backwards=backwards)
     fastest = abs(last - first) if reach.phi.is_linear else speed
     return replace(swing(STEADY, first, last, speed=fastest), regime=OVER_RANGE)
@@ -132,7 +137,7 @@ def conditions(case: Case) -> str:
 def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) -> Sheet:
     """The sheet of a case, its tables and files at ``chosen`` instants (n,), s, by default over the whole motion.
 
-    With ``every_peak`` there are those of signals too that no table has, which takes twice as long. Raises
+    With ``every_peak`` there are peaks of signals too that no table has, which takes twice as long. Raises
     LinkproofError where the linkage cannot make the motion.
     """
     case.check_motion()
@@ -142,7 +147,10 @@ def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) 
 
 
 def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
-    """The sheet of these curves, with peaks of the signals ``names`` and tables at the ``chosen`` instants, s."""
+    """The sheet of these curves, without facts: peaks of the signals ``names``, tables at the ``chosen`` instants, s.
+
+    By default there are no tables of chosen instants.
+    """
     peaks = curves.peaks(names)
     figures = figure_tables(curves, peaks)
     result = Sheet(
@@ -165,7 +173,7 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
 
 
 def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
-    """A sentence on the open ends at which signals have their peaks; "" without any."""
+    """A sentence on the open ends at which signals have their ``peaks``; "" without any."""
     ends = [
         end for end in curves.open_ends if any(peak.phi is not None and end.has(peak.phi) for peak in peaks.values())
     ]
@@ -173,7 +181,10 @@ def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
 
 
 def _required_feed(curves: Curves) -> dict[str, Array]:
-    """φ, rad, the feed, m, that the file requires there, and the actual one, by name; {} if it requires none."""
+    """φ, rad, the feed, m, that the file requires there, and the actual one, by name; {} if it requires none.
+
+    {} too where the thread has no feed.
+    """
     path = curves.linkage.thread
     if path is None or not path.required or THREAD_FEED not in curves.names:
         return {}
@@ -186,7 +197,7 @@ def _signals_besides_bodies(curves: Curves) -> list[str]:
 
 
 def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
-    """Sentences on signs, zeros, gravity and Newton's method, and on what no row can show.
+    """Yield sentences on signs, zeros, gravity and Newton's method, and on what no row can show.
 
     That is what the file lacks and, if ``is_unbounded``, joint forces at a change point.
     """
@@ -216,13 +227,16 @@ def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
 
 
 def _direction(linkage: Linkage, x: float, y: float) -> str:
-    """The direction of a vector as text, in the file's unit of angle: "30°"."""
+    """The direction of the vector (x, y) as text, in the file's unit of angle: "30°"."""
     unit = file_unit("rad", linkage)
     return f"{np.arctan2(y + 0.0, x + 0.0) / unit.size:.6g}{'°' if unit.name == 'deg' else f' {unit.name}'}"
 
 
 def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Sheet:
-    """The sheet of a page of a linkage under its usual motion, with those of these regimes that it has."""
+    """The sheet of a page of a linkage under its usual motion, with those of these regimes that it has.
+
+    A linkage that cannot be computed has a bare sheet.
+    """
     try:
         return page_sheet(usual_case(Mechanism(linkage), prescribed, regimes), regimes)
     except LinkproofError as error:
@@ -237,8 +251,8 @@ def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
 def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     """The sheet of a case with all that a page shows, at as many instants as its curves need.
 
-    Includes those of the ``regimes`` in which the crank is released. Raises LinkproofError where the
-    linkage cannot make the motion.
+    Includes those of the ``regimes`` in which the crank is released. Parts that fail are in ``missing`` with the
+    reason. Raises LinkproofError where the linkage cannot make the motion.
     """
     case.check_motion()
     curves, mechanism, linkage = Curves(case), case.mechanism, case.mechanism.linkage
@@ -271,7 +285,7 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 
 
 def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
-    """Signals by name over the axis, at few instants that show them and their ``peaks``, s."""
+    """Signals ``names`` over the axis, at few instants that show them and their ``peaks``, s; φ as the axis ascends."""
     truth = curves.truth_at(distinct(np.append(curves.grid, peaks)))
     groups = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(groups))
@@ -283,7 +297,7 @@ def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) 
 
 
 def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
-    """The printed figures beside ours, of every variant of the file, as rows."""
+    """The printed figures beside ours, of every variant of the file, as rows; () without any."""
     if not linkage.published:
         return ()
     readings = [parse(linkage.text, linkage.name, linkage.name, variant) for variant in linkage.variants]
@@ -301,7 +315,7 @@ def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, A
 
 
 def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
-    """The thread's contour and the paths of its eyes; None without a thread."""
+    """The thread's contour and the paths of its eyes over a turn or the range; None without a thread."""
     path = mechanism.linkage.thread
     if path is None:
         return None
@@ -317,7 +331,7 @@ def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
 
 
 def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallback: T) -> T:
-    """The part of a sheet that ``make`` returns; if it raises, ``fallback``, with the reason in ``missing``."""
+    """The part of a sheet that ``make`` returns; for a LinkproofError ``fallback``, and ``missing`` gets the reason."""
     try:
         return make()
     except LinkproofError as error:
@@ -326,13 +340,13 @@ def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallbac
 
 
 def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
-    """The facts and curves of a motion with released crank, of a regime of the linkage's file.
+    """The facts and curves of a ``motion`` with released crank, of a regime of the linkage's file.
 
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
     angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
     ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
-    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; φ at the ``end``
-    within a turn.
+    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such, else None; φ at the
+    ``end`` within a turn.
     """
     # There may be no whole turn, and no rotation that repeats itself.
     ending = _try_part({}, "", lambda: last_turns(motion), None) if regime.torque else None
@@ -354,7 +368,7 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
 
 
 def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
-    """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
+    """Curves (n,) by ``names``, the first their axis, at the instants that show them: extremes, and others evenly."""
     even = np.linspace(0, len(curves[0]) - 1, EVEN_SAMPLES).astype(int)
     places = distinct(
         np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
@@ -369,7 +383,7 @@ def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
 
 
 def _dense_times(motion: FreeMotion) -> Array:
-    """Instants, s, of a motion, so close that every turn is resolved."""
+    """Instants, s, of a motion, evenly so close that every turn is resolved, within bounds."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST_INSTANTS, MOST_INSTANTS)))
 

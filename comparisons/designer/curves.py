@@ -63,7 +63,7 @@ class Instants:
 
     @cached_property
     def is_steady(self) -> bool:
-        """Whether the crank turns at one speed all the time, so that φ is the axis."""
+        """Whether the crank turns at one speed all the time, or stands still, so that φ is the axis."""
         if isinstance(self.motion, Standstill):
             return True
         time = np.linspace(0.0, self.motion.duration, FEWEST)
@@ -89,12 +89,15 @@ class Instants:
         return distinct(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
 
     def _edges(self, jumps: list[float]) -> list[float]:
-        """The instants, s, ascending, between which the motion has its pieces, both ends included."""
+        """The instants, s, ascending, between which the motion has its pieces.
+
+        They are its ``jumps``, its segments' starts and both ends.
+        """
         segments = self.motion.segments if isinstance(self.motion, CrankMotion) else ()
         return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
 
     def _intervals(self, edges: list[float]) -> list[int]:
-        """The number of intervals of each piece of the motion, by the crank's way in it, within bounds."""
+        """The number of intervals of each piece between ``edges``, s, by the crank's way in it, within bounds."""
         looks = max(MOTION_SAMPLES // len(edges), FEWEST_PIECE_SAMPLES)
         angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
         step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
@@ -105,7 +108,10 @@ class Instants:
         return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
 
     def checked_times(self, times: Array) -> Array:
-        """Instants (n,), s, that a user asks for; raises LinkproofError for one that the motion does not have."""
+        """Instants (n,), s, that a user asks for, moved to the motion's ends where rounding puts them beyond.
+
+        Raises LinkproofError for one that the motion does not have.
+        """
         duration = self.motion.duration
         for time in times:
             if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
@@ -117,12 +123,15 @@ class Instants:
     def times_of_angles(self, angles: Array, unit: str, size: float) -> Array:
         """The instants, s, (n,), at which the crank first passes these angles, given in a ``unit`` of a ``size``, SI.
 
-        Raises LinkproofError for an angle that it does not pass.
+        Raises LinkproofError for an angle that it does not pass. Of a turning crank whole turns do not count.
         """
         return np.array([self._first_passing(float(angle), unit, size) for angle in angles])
 
     def _first_passing(self, angle: float, unit: str, size: float) -> float:
-        """The first instant, s, at the angle, whole turns aside; raises LinkproofError if it is never passed."""
+        """The first instant, s, at the angle, given in a ``unit`` of a ``size``, SI, whole turns aside.
+
+        Raises LinkproofError if it is never passed.
+        """
         time, target = self.grid, angle * size
         away = self._periods_from(time, target)
         hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
@@ -158,7 +167,10 @@ class Instants:
 
 
 def refine_near_toggles(case: Case, grid: Array) -> Array:
-    """The grid of instants, s, with more of them where a transmission angle changes fast, as near toggles."""
+    """The grid of instants, s, with more of them where a transmission angle changes fast, as near toggles.
+
+    There are no more than a given number of them.
+    """
     time, sines = grid, _transmission_sines(case, grid)
     for _ in range(HALVINGS):
         middles = _missing_middles(time, sines)
@@ -192,7 +204,7 @@ ROUNDS: Final = 6
 
 
 def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
-    """Indices of the samples of curves (k, n) over ``axis`` (n,) that are enough to draw them.
+    """Indices of the samples of curves (k, n) over ``axis`` (n,), ascending, that are enough to draw them.
 
     ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
     """
@@ -257,7 +269,10 @@ class Curves:
 
     @cached_property
     def open_ends(self) -> tuple[OpenEnd, ...]:
-        """The ends of the motion beside a dead position, where extremes only tell where it was cut off."""
+        """The ends of the motion beside a dead position, where extremes only tell where it was cut off.
+
+        () without any.
+        """
         return open_ends(self.case.mechanism, *self.case.reach)
 
     def unit(self, name: str) -> str:
@@ -285,16 +300,19 @@ class Curves:
         return self.truth_at(self.grid)
 
     def truth_at(self, time: Array) -> Truth:
-        """The closed form of the case at instants (n,), s, with all signals to compute on request."""
+        """The closed form of the case at instants (n,), s, each part computed on request, none of it cached here."""
         return Truth(self.case.mechanism, self.case.motion, time)
 
     def values(self, names: Iterable[str], time: float) -> tuple[float, ...]:
-        """Values, SI, of the signals ``names`` at one instant, s."""
+        """Values, SI, of the signals ``names`` at one instant, s, in their order."""
         truth = self.truth_at(np.array([time]))
         return tuple(float(self.signal_values(truth, name)[0]) for name in names)
 
     def signal_values(self, truth: Truth, name: str) -> Array:
-        """A signal (n,), SI, of the closed form at n instants; a link's angle on its branch of the motion."""
+        """A signal (n,), SI, of the closed form at n instants, cached on the grid.
+
+        A link's angle is on its branch of the motion.
+        """
         if name == TIME:
             return truth.time
         known = self._known if truth is self.on_grid else {}
@@ -306,7 +324,7 @@ class Curves:
 
     @cached_property
     def _known(self) -> dict[str, Array]:
-        """The cache of signals on the grid, by name."""
+        """The cache of signals on the grid, by name, empty at first."""
         return {}
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
@@ -314,12 +332,15 @@ class Curves:
         return {name: self.signal_values(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
-        """The angle, rad, of a link on the branch that it has along the whole motion."""
+        """The ``angle`` (n,), rad, of a link's signal ``name``, on the branch that it has along the motion."""
         near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
     def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> SignalFigure:
-        """The key figure ``what`` of a signal, or of a force's direction, with its value, SI, and instant, s."""
+        """The key figure ``what`` of a signal, or of a force's direction, with its value, SI, and instant, s, if any.
+
+        ``on`` is the link on which a force acts.
+        """
         phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
         unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
         at_end = phi is not None and any(end.has(phi) for end in self.open_ends)
@@ -340,7 +361,7 @@ class Curves:
         return lambda at: np.abs(self.signal_values(at, name))
 
     def places(self, measures: Mapping[Key, Measure]) -> dict[Key, float]:
-        """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
+        """The instant, s, at which each measure of the closed form is highest, refined beyond the grid, by its key."""
         numbers: dict[Key, float] = {}
         names = list(measures)
         for keys in (names[start : start + BATCH] for start in range(0, len(names), BATCH)):
@@ -360,7 +381,7 @@ class Curves:
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:
-            """The measures at instants, s, stacked, in the form that ``averages`` calls."""
+            """The measures at instants, s, stacked before their shape, in the form that ``averages`` calls."""
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 

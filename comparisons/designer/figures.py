@@ -62,7 +62,7 @@ TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
 
 
 def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
-    """The key figures of curves by table: drive, forces, output and so on."""
+    """The key figures of curves by table, drive, forces, output and so on, from the ``peaks`` of all their signals."""
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
     pivot = curves.case.mechanism.structure.pivot
     moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
@@ -79,12 +79,12 @@ def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure,
 
 
 def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
-    """The peaks of the signals that have one, each with the name that a table gives it."""
+    """The peaks of those ``signals`` that have one, as an iterator, each with the name that a table gives it."""
     return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
 
 
 def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """Figures to choose a motor by: peaks of torque, power and speed, RMS and means; none for a massless linkage.
+    """Yield figures to choose a motor by: peaks of torque, power and speed, RMS and means; none without mass or load.
 
     Each peak comes with the other two quantities at its instant. Means have a sign, the RMS has none.
     """
@@ -92,7 +92,7 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
         return
 
     def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
-        """Figures of torque, power and speed with these values, at one instant if ``time``, s, is given."""
+        """Figures ``what`` of torque, power and speed with these values, at one instant if ``time``, s, is given."""
         return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
 
     force = curves.linkage.phi.effort
@@ -119,7 +119,10 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def flywheel_figures(curves: Curves) -> Iterator[SignalFigure]:
-    """The size of the flywheel that limits a turning crank's fluctuation to the file's coefficient."""
+    """Yield the size of the flywheel that limits a turning crank's fluctuation to the file's coefficient.
+
+    None without a coefficient or a crank that goes on turning.
+    """
     wanted, speed = curves.linkage.fluctuation, _running_speed(curves)
     if wanted and speed:
         yield curves.figure(f"for a fluctuation of {wanted:g}", "Jeq", flywheel(curves.case, speed, wanted))
@@ -173,7 +176,7 @@ def _friction_at(curves: Curves, time: float) -> tuple[Array, Array]:
 
 
 def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """Largest force of every joint, and of the linkage on its frame, each with its direction."""
+    """Yield the largest force of every joint, and of the linkage on its frame, each with its direction."""
     joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
     every = {**joints, "shaking_force": (SHAKING, "ground")}
     vectors = {vector: words for vector, words in every.items() if vector + MAGNITUDE in peaks}
@@ -185,7 +188,7 @@ def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """The output's stroke, the ends of its travel, largest speed and acceleration; none without an output."""
+    """Yield the output's stroke, the ends of its travel, largest speed and acceleration; none without an output."""
     if "S" not in peaks:
         return
     places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
@@ -198,7 +201,10 @@ def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
-    """The thread's feed and length where feed or eyes' heights are extreme, and the required feed's largest miss."""
+    """Yield the thread's feed and length where feed or eyes' heights are extreme, and the feed's range.
+
+    Where a feed is required, its largest and mean miss follow. None without a thread.
+    """
     path = curves.linkage.thread
     if path is None or THREAD_FEED not in curves.names:
         return
@@ -224,7 +230,7 @@ def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
 
 
 def required_feed(mechanism: Mechanism, path: ThreadPath) -> tuple[Array, Array, Array]:
-    """The required feed, as φ, rad, the feed there and the actual one, m, each (n,), in the file's order."""
+    """φ, rad, of the required feed, that feed and the actual one, m, each (n,), in the file's order."""
     phi, required = np.array(path.required).T
     return phi, required, feed(mechanism, path, phi)
 
@@ -240,7 +246,7 @@ def _peak_speed_time(curves: Curves) -> float:
 
 
 def _loaded_links(curves: Curves) -> dict[str, str]:
-    """The link on which each joint's force acts, by the joint."""
+    """The link on which each joint's force acts, by the joint; of a slot the body with its pin."""
     linkage, sweep = curves.linkage, curves.case.start()
     pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
     sliders = {slider.name: slider.link for slider in linkage.sliders}
@@ -300,7 +306,10 @@ MECHANISM_FIGURES: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
 
 
 def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
-    """The figures of a case that a typed name stands for, by name; raises LinkproofError for an unknown one."""
+    """The figures of a case that a typed name stands for, by name; raises LinkproofError for an unknown one.
+
+    A signal's name alone stands for several.
+    """
     return (
         {name: MECHANISM_FIGURES[name][1]}
         if name in MECHANISM_FIGURES
@@ -309,7 +318,7 @@ def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | Me
 
 
 def figure_unit(name: str, linkage: Linkage) -> str:
-    """SI unit of a figure of the linkage."""
+    """SI unit of a figure of the linkage, by its name; "" without a unit."""
     if name in MECHANISM_FIGURES:
         return MECHANISM_FIGURES[name][0]
     return unit("S" if name == STROKE else part_figure(name)[0], linkage)
@@ -324,7 +333,7 @@ def case_figures(curves: Curves, figures: Mapping[Key, Figure | MechanismFigure]
     values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
-        """The measure that is highest at an extreme of a signal."""
+        """The measure that is highest at an extreme of a signal, the least or the largest value."""
         return lambda at: end.height(curves.signal_values(at, end.signal))
 
     places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})
@@ -379,7 +388,10 @@ def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...
 
 
 def check_published(mechanism: Mechanism) -> None:
-    """Raise DescriptionError, with the line, for a printed figure whose quantity, unit or regime there is not."""
+    """Raise DescriptionError, with the line, for a printed figure whose quantity, unit or regime there is not.
+
+    So too for a speed that is none. Figures of other variants are left alone.
+    """
     linkage = mechanism.linkage
     source = Source(f"{linkage.name}.toml", linkage.text, linkage.variant)
     regimes = [entry.name for entry in linkage.regimes]
@@ -403,7 +415,7 @@ def check_published(mechanism: Mechanism) -> None:
 
 
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
-    """The printed figures of one linkage's variant beside ours."""
+    """Yield the printed figures of one linkage's variant beside ours."""
     entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
     if entries:
         mechanism = Mechanism(linkage)
@@ -415,7 +427,7 @@ def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
 
 
 def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[tuple[Mechanism, Published]]]:
-    """For each printed figure what it is made of: the figure itself, the one it is less, the one it is relative to.
+    """Yield for each printed figure what it is made of: itself, the one it is less, the one it is relative to.
 
     The others are of another signal of this linkage, or of another mechanism, in this linkage's variant if it has that.
     """
@@ -423,12 +435,12 @@ def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[
 
     @cache
     def named(name: str) -> Mechanism:
-        """Another mechanism, by its name."""
+        """Another mechanism, by its name, in this linkage's variant if it has that."""
         linkage = load(name)
         return Mechanism(load(name, variant) if variant in linkage.variants else linkage)
 
     def other(entry: Published, name: str) -> tuple[Mechanism, Published]:
-        """The same figure of another signal, or of another mechanism."""
+        """The same figure of another signal, or of another mechanism, called ``name``."""
         if name not in signals:
             return named(name), entry
         return mechanism, entry.model_copy(update={"quantity": f"{name}{part_figure(entry.quantity)[1]}"})
@@ -438,14 +450,14 @@ def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[
 
 
 def _combined(entry: Published, ours: float, *others: float) -> float:
-    """Our value of a printed figure by the closed form, SI, from those that ``_asked`` gives for it."""
+    """Our value of a printed figure, SI: ``ours``, less or over the values of what else ``_asked`` gives for it."""
     if entry.less:
         ours -= others[0]
     return ours / others[-1] if entry.relative_to else ours
 
 
 def _record(mechanism: Mechanism, entry: Published, ours: float) -> PublishedRecord:
-    """The record of a printed figure with our value, SI, beside it."""
+    """The record of a printed figure with our value, SI, beside it, in the printed unit."""
     linkage = mechanism.linkage
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
     unit = figure_unit(entry.quantity, linkage)
@@ -473,7 +485,7 @@ def _record(mechanism: Mechanism, entry: Published, ours: float) -> PublishedRec
 
 
 def _is_place(entry: Published, mechanism: Mechanism) -> bool:
-    """Whether a printed figure is an angle at an instant or a place, so that whole turns do not count."""
+    """Whether a printed figure is an angle of the mechanism or at an instant or a place: whole turns do not count."""
     is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
     return is_angle and (entry.quantity in MECHANISM_FIGURES or part_figure(entry.quantity)[1].startswith("@"))
 
@@ -481,7 +493,7 @@ def _is_place(entry: Published, mechanism: Mechanism) -> bool:
 def verdict(entry: Published, ours: float) -> str:
     """How our value meets a printed one: reproduced to its digits, within the 6 % the sources claim, or not reproduced.
 
-    Where the source is known to be less accurate than its digits, its accuracy counts.
+    Both are in the printed unit. Where the source is known to be less accurate than its digits, its accuracy counts.
     """
     if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
         return REPRODUCED
@@ -489,9 +501,10 @@ def verdict(entry: Published, ours: float) -> str:
 
 
 def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[float]:
-    """Our values, SI, of printed figures' quantities in their motions; raises LinkproofError where there is none.
+    """Our values, SI, of printed figures' quantities in their motions, in their order.
 
-    Those of one motion are found together.
+    Those of one motion are found together. Raises LinkproofError where there is none, or where a quantity is several
+    figures.
     """
     values: dict[int, float] = {}
     motions: dict[tuple[Mechanism, str | None, float, float | None], dict[int, Figure | MechanismFigure]] = {}

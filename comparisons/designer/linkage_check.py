@@ -56,7 +56,7 @@ DYADS_AT_ONCE: Final = (
 
 
 def warnings(linkage: Linkage) -> Iterator[str]:
-    """Sentences about probable slips in a valid linkage: names, masses, loads."""
+    """Yield sentences about probable slips in a valid linkage: names, masses, loads."""
     yield from _similar_names(linkage)
     for link in linkage.links.values():
         yield from _mass_slips(linkage, link)
@@ -64,13 +64,13 @@ def warnings(linkage: Linkage) -> Iterator[str]:
 
 
 def check_slips(linkage: Linkage) -> None:
-    """Raise LinkproofError for the first warning about a linkage, as ``--strict`` asks."""
+    """Raise LinkproofError for the first warning about a linkage, if there is one, as ``--strict`` asks."""
     for sentence in warnings(linkage):
         raise LinkproofError(f"--strict: {sentence}; or leave --strict out")
 
 
 def _similar_names(linkage: Linkage) -> Iterator[str]:
-    """Sentences about points whose names differ only in capitals, and which are thus not pinned together."""
+    """Yield sentences about points whose names differ only in capitals, and which are thus not pinned together."""
     spellings: dict[str, set[str]] = defaultdict(set)
     for name in itertools.chain(linkage.ground, *(link.points for link in linkage.links.values())):
         spellings[name.casefold()].add(name)
@@ -80,7 +80,7 @@ def _similar_names(linkage: Linkage) -> Iterator[str]:
 
 
 def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
-    """Sentences about a mass centre, mass or inertia that does not suit the link's size."""
+    """Yield sentences about a mass centre, mass or inertia that does not suit the link's size."""
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
     if not link.mass and any(link.centre) and any(body.mass for body in linkage.links.values()):
         yield f"'{link.name}' has a mass centre and no mass: it weighs nothing; add links.{link.name}.mass"
@@ -107,7 +107,7 @@ def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
 
 
 def _load_slips(linkage: Linkage) -> Iterator[str]:
-    """Sentences about an odd gravity, free length of a spring, or table of a load over the angle."""
+    """Yield sentences about an odd gravity, free length of a spring, load over the angle, or size of a load."""
     pull = math.hypot(*linkage.gravity)
     if pull > LARGEST_GRAVITY:
         yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
@@ -141,7 +141,10 @@ def load_name(load: Load) -> str:
 
 
 def _oversized_loads(linkage: Linkage) -> Iterator[str]:
-    """Sentences about loads beside which gravity, inertia, damping and other loads are negligible."""
+    """Yield a sentence for each load beside which gravity, inertia, damping and other loads are negligible.
+
+    None for a linkage that cannot be assembled.
+    """
     without_drag = [kind for kind in LOADS if kind != "dampers"]
     if not any(getattr(linkage, kind) for kind in without_drag):
         return
@@ -166,14 +169,17 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
 
 
 def _unit_slip(load: Load, linkage: Linkage) -> str:
-    """Words that suggest a smaller unit for a load's number; "" if none is likelier."""
+    """Words, in brackets, that suggest a smaller unit for a load's number; "" where the file's is small."""
     si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m", TorsionSpring: "N m"}[type(load)]
     unit = file_unit(si, linkage).name
     return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
 
 
 def _table_slips(load: str, law: Law) -> Iterator[str]:
-    """Sentences about a table that leaves out part of the turn, or whose spline overshoots its values."""
+    """Yield sentences about a table that leaves out part of the turn, or whose spline overshoots its values.
+
+    ``load`` is the load's name.
+    """
     if law.angles is None or not law.period:
         return
     steps = np.diff(np.append(law.angles, law.angles[0] + law.period))
@@ -194,7 +200,7 @@ def _table_slips(load: str, law: Law) -> Iterator[str]:
 
 
 def _inertia_unit_slip(ratio: float) -> str:
-    """Words that suggest the unit which brings the radius of gyration into the link; "" for none."""
+    """Words that suggest the unit which brings a ratio of radius of gyration to size into bounds; "" for none."""
     for slip, words in UNIT_SLIPS.items():
         if LEAST_GYRATION <= ratio / math.sqrt(slip) <= LARGEST_GYRATION:
             return f" ({words}?)"
@@ -202,7 +208,7 @@ def _inertia_unit_slip(ratio: float) -> str:
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
-    """All facts on a linkage up to its first fault, and that fault as an error; None without a fault."""
+    """All facts on a linkage up to its first fault, under "fault" too, and that fault as an error; None without one."""
     facts = file_facts(linkage)
     try:
         for step in _steps(linkage):
@@ -214,7 +220,7 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
 
 
 def _steps(linkage: Linkage) -> Iterator[Facts]:
-    """The facts of each step of the review, in order; raises LinkproofError at the first fault."""
+    """Yield the facts of each step of the review, in order; raises LinkproofError at the first fault."""
     yield {
         "loads": _load_facts(linkage),
         "warnings": list(warnings(linkage)),
@@ -238,7 +244,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
 
 
 def file_facts(linkage: Linkage) -> Facts:
-    """The facts that a linkage's file gives of its origin and its links."""
+    """The facts that a linkage's file gives of its origin and its links, SI."""
     return {
         "mechanism": linkage.name,
         "title": linkage.title,
@@ -259,7 +265,7 @@ def file_facts(linkage: Linkage) -> Facts:
 
 
 def mechanism_facts(mechanism: Mechanism) -> Facts:
-    """The facts of a linkage that can be assembled: those of its file, of its structure, and of a turn or its range."""
+    """The facts of a linkage that assembles: those of its file, of its structure, and of a turn or its range, SI."""
     reach = mechanism.crank_range()
     facts = file_facts(mechanism.linkage) | {"structure": mechanism.structure.formula}
     facts |= _accuracy_facts(mechanism)
@@ -267,7 +273,10 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 
 
 def _turn_facts(mechanism: Mechanism) -> Facts:
-    """The facts on a full turn: reduced inertias, the output's travel, and the angles of rest."""
+    """The facts on a full turn: reduced inertias, the output's travel, and the angles of rest; SI.
+
+    Those that the linkage lacks are left out.
+    """
     linkage = mechanism.linkage
     links = file_facts(linkage)["links"]
     for name, link in links.items():
@@ -310,7 +319,10 @@ def _accuracy_facts(mechanism: Mechanism) -> Facts:
 
 
 def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
-    """The facts on printed figures: how many there are for the variant, and how many we meet, or why none."""
+    """Yield the facts on printed figures: how many the variant has, and how many we meet, or why none.
+
+    Nothing for a variant without any.
+    """
     try:
         verdicts = [record.verdict for record in compare_published([linkage])]
     except LinkproofError as error:  # of a linkage that was changed: it cannot make the motion of a printed figure
@@ -322,7 +334,7 @@ def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
 
 
 def _load_facts(linkage: Linkage) -> Facts:
-    """The facts on which links have mass and inertia, and on the loads."""
+    """The facts on which links have no mass or inertia, on the loads' numbers, and on the output."""
     return {
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
         "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
@@ -335,7 +347,7 @@ def _load_facts(linkage: Linkage) -> Facts:
 
 
 def _sketch_facts(mechanism: Mechanism) -> Facts:
-    """The distance, m, of each sketched point from its assembled place, and the linkage's extent, m."""
+    """The sketch's φ, the distance, m, of each sketched point from its assembled place, and the linkage's extent, m."""
     linkage, sweep = mechanism.linkage, mechanism.sweep(mechanism.linkage.sketch_angle)
     off = {name: float(np.hypot(*(sweep.point(name) - place))) for name, place in linkage.sketch.items()}
     return {"angle": linkage.sketch_angle, "off": off, "extent": linkage.extent()}
@@ -381,10 +393,13 @@ def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
 
 def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[ClosedGroup], grid: Array) -> Facts:
-    """Least transmission angle, its place and the good stretch of each dyad, by its name; ``grid`` spans the range."""
+    """Least transmission angle, its place and the good stretch of each dyad, by its name; ``grid`` spans the range.
+
+    The stretch is [] over a full turn.
+    """
 
     def angles(phi: Array) -> Array:
-        """Transmission angles (dyads, n), rad, at values of φ."""
+        """Transmission angles (dyads, n), rad, at values of φ, within the grid's ends."""
         sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
         return np.stack([transmission_angle(sweep, dyad) for dyad in dyads])
 

@@ -43,7 +43,7 @@ class OpenEnd:
 def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
     """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds.
 
-    A cylinder moves to its very ends.
+    ``backwards`` the upper end is the start. A cylinder moves to its very ends.
     """
     low, high = reach.limits
     margin = MARGIN * (high - low)
@@ -53,7 +53,7 @@ def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, fl
 
 
 def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd, ...]:
-    """The open ends of a motion between two values of φ, rad or m, the lower one first."""
+    """The open ends of a motion between two values of φ, rad or m, the lower one first; () without any."""
     low, high = min(first, last), max(first, last)
     reach = _range_around(mechanism, low)
     if reach.is_full_turn:
@@ -70,21 +70,21 @@ def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd,
 
 
 def _range_around(mechanism: Mechanism, phi: float) -> CrankRange:
-    """The range of φ that contains a value: the sketch's, or that of a motion that starts elsewhere."""
+    """The crank's range that contains φ, rad or m: the sketch's, or that of a motion that starts there."""
     reach = mechanism.crank_range()
     low, high = reach.limits
     return reach if reach.is_full_turn or low <= phi <= high else mechanism.crank_range(phi)
 
 
 def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
-    """The transmission angle of a group of dyads, rad; 0 for a group of a higher class."""
+    """The transmission angle of a group over the sweep, rad: of a dyad; 0 for a group of a higher class."""
     return transmission_angle(sweep, group) if isinstance(group, ClosedGroup) else np.zeros(sweep.angle.shape)
 
 
 def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
     """For each row, the ends, rad or m, of the stretch around its best place without binding; [] without one.
 
-    ``angles`` (rows, n) are the transmission angles that ``function`` gives over ``grid`` (n,).
+    ``angles`` (rows, n) are the transmission angles, rad, that ``function`` gives over ``grid`` (n,).
     """
     brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
     for number, angle in enumerate(angles):
@@ -117,7 +117,7 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
 
 
 def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
-    """A warning about open ends: the dead positions beside them, and the part of the range free of them."""
+    """A warning about open ends, one or more: the dead positions beside them, and a part of the range free of them."""
     reach = _range_around(mechanism, ends[0].place)
     places: dict[str, list[str]] = {}
     for end in ends:
@@ -127,7 +127,10 @@ def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
 
 
 def _cure(mechanism: Mechanism, reach: CrankRange) -> str:
-    """The options, in round numbers, that keep a motion to the part of the range where no group binds."""
+    """A clause with the options, in round numbers, that keep a motion to the part of the range where no group binds.
+
+    Where there is no such part, it says so.
+    """
     part = good_part(mechanism, reach)
     size = mechanism.linkage.phi.unit.size
     if part:

@@ -38,7 +38,10 @@ STEP_ROUNDING = 1e-9  # of a step: a bound that is a multiple but for rounding
 
 
 def step_size(variables: Sequence[Variable], text: str) -> float:
-    """The step of ``--round``, m, typed as ``0.1mm`` or in the file's unit; raises LinkproofError for no length."""
+    """The step of ``--round``, m, typed as ``0.1mm`` or in the file's unit.
+
+    Raises LinkproofError for no positive length, and where no length is varied.
+    """
     lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
     if not lengths:
         raise LinkproofError("--round: expected a length among the numbers of --over, got none; leave it out")
@@ -114,7 +117,10 @@ class Optimum:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Sentences that warn a reader of the best design: on open ends, and on loads over φ that stay behind."""
+        """Sentences that warn a reader of the best design: on open ends, and on loads over φ that stay behind.
+
+        [] without.
+        """
         loads = self.problem.case.loads_that_stay([self.after])
         return [*filter(None, (self.at_open_end.sentence, loads))]
 
@@ -128,7 +134,10 @@ class Optimum:
         return dict(self.after)
 
     def _short(self, variable: Variable, digits: int) -> float:
-        """The best design's number, SI, rounded to so many digits of the file's unit, within its bounds."""
+        """The best design's value of a variable, SI, rounded to so many digits of the file's unit, within its bounds.
+
+        At a bound it is the bound itself.
+        """
         at = self.bound(variable)
         if at:
             return variable.low if at == "lower" else variable.high
@@ -137,7 +146,7 @@ class Optimum:
         return min(max(value, variable.low), variable.high)
 
     def _serves(self, numbers: Mapping[str, float]) -> bool:
-        """Whether a design of these numbers is as good as the best one and meets the same constraints."""
+        """Whether a design of these numbers, SI, is as good as the best one and meets the same constraints."""
         problem, count = self.problem, len(self.problem.aims)
         values = problem.case.figures_of(numbers, problem.figures)
         held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
@@ -177,7 +186,7 @@ class Optimum:
 
     @property
     def change(self) -> Array:
-        """Relative changes of the figures (figures,); nan from zero."""
+        """Relative changes of the figures (figures,), before to after; nan from zero."""
         before, after = self.values
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
@@ -196,7 +205,8 @@ def optimise(
     """The design with the least, else the largest, ``figure`` over numbers within bounds, texts as typed.
 
     ``keep`` constrains figures; the search is ``everywhere`` in the bounds, or from the file's design; lengths are
-    rounded to a ``step``, if there is one. Raises LinkproofError for bad input and if no design is feasible.
+    rounded to a ``step``, if there is one; ``announce`` is told of each search. Raises LinkproofError for bad input and
+    if no design is feasible.
     """
     varied = variables(case, over)
     multiple = step_size(varied, step) if step else 0.0
@@ -223,7 +233,10 @@ def optimise(
 
 
 def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], typed: str, *, is_least: bool) -> None:
-    """Raise LinkproofError for figures that cannot be optimised or constrained."""
+    """Raise LinkproofError for figures, aims or kept, that cannot be optimised or constrained.
+
+    ``typed`` is the aim as it was typed.
+    """
     for figure in (*aims, *keep):
         if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
             raise LinkproofError(f"{figure.name}: expected .min, the least transmission angle, which can be optimised "
@@ -250,7 +263,7 @@ def _size(figure: NamedFigure, *values: float) -> float:
 
 
 def _check_depends(problem: DesignProblem, start: Array) -> None:
-    """Raise LinkproofError where the aim depends on none of the numbers."""
+    """Raise LinkproofError where the aim depends on none of the numbers; not if ``start`` does not assemble."""
     try:
         model = problem.linearise(start, problem.windows(start))
     except AssemblyError:

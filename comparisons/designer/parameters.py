@@ -61,7 +61,7 @@ class Named:
         return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
 
     def _read(self, text: str) -> tuple[float, float]:
-        """A typed number and the size of its unit in SI; raises LinkproofError for no number."""
+        """A typed number and the size of its unit in SI; raises LinkproofError for no number or another unit."""
         read = TYPED_NUMBER.fullmatch(text)
         number = float(read["number"]) if read else math.nan
         if read is None or not math.isfinite(number):
@@ -98,13 +98,13 @@ class Parameter(Named):
 
 
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
-    """Every number that designs of a linkage may differ in, by name."""
+    """Every number that designs of a linkage may differ in, by name; the driver's speed is not among them."""
     numbers = design_numbers(linkage).items()
     return {name: Parameter(name, kind_unit(kind, linkage.units), kind, value) for name, (kind, value) in numbers}
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
-    """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s; raises UnknownNameError."""
+    """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s, without sign; raises UnknownNameError."""
     if name == SPEED:
         return Parameter(SPEED, linkage.phi.speed_unit, Kind.SPEED, abs(speed))
     known = parameters(linkage)
@@ -114,7 +114,7 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
 
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
-    """A sentence on the masses of designs for the conditions; "" where no length of a moving link varies."""
+    """A clause on the masses of designs that vary these numbers; "" where no length of a moving link varies."""
     places = {name: number.path for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""
@@ -231,7 +231,7 @@ class SteadyCase:
         return self.figures({name: np.array([value]) for name, value in design.items()}, figures)[:, 0]
 
     def gradients(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> tuple[Array, Array]:
-        """Figures (figures,) of one design, refined, and their derivatives (figures, numbers), SI."""
+        """Figures (figures,) of one design, refined, and their derivatives by its numbers (figures, numbers), SI."""
         every = [each.figure for each in figures]
         return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed, period=self._period)
 
@@ -241,7 +241,7 @@ class SteadyCase:
         return self.linkage.load_period if self.is_full_turn else None
 
     def redesigned(self, design: Mapping[str, float]) -> SteadyCase:
-        """The same case with other numbers, SI, by name; a speed among them is ignored."""
+        """A copy of the case with other numbers, SI, by name; a speed among them is ignored."""
         numbers = {name: value for name, value in design.items() if name != SPEED}
         return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))
 
@@ -272,7 +272,7 @@ class SteadyCase:
     def loads_that_stay(self, designs: Iterable[Mapping[str, float]]) -> str:
         """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
 
-        ``designs`` are numbers, SI, by name; those without dead centres are left out.
+        ``designs`` are numbers, SI, by name; those without dead centres are left out. The first such design counts.
         """
         linkage = self.linkage
         tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]
@@ -303,8 +303,8 @@ def case_at_speed(
 ) -> SteadyCase:
     """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
 
-    The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
-    zero or not finite.
+    There are ``samples`` places, to each turn if loads repeat after several. The range is that of the linkage as its
+    file has it, short of its limits. Raises LinkproofError for a speed that is zero or not finite.
     """
     if not math.isfinite(speed) or speed == 0.0:
         raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")

@@ -80,7 +80,10 @@ class LocalMaxima:
         return np.linspace(self.case.places[0], self.case.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
-        """The motion of a design cut, for every side, into a window around each highest maximum."""
+        """The motion of a design cut, for every side, into a window around each highest maximum.
+
+        Raises AssemblyError where the design cannot be assembled at every angle.
+        """
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
             window
@@ -91,7 +94,8 @@ class LocalMaxima:
     def heights(self, numbers: Mapping[str, float], windows: Sequence[SampleWindow]) -> tuple[Array, Array]:
         """The maximum in each window (windows,), SI, and its derivatives by the design's numbers (windows, parameters).
 
-        Raises AssemblyError where the design cannot be assembled at every angle.
+        That of a lowest side has the other sign. Raises AssemblyError where the design cannot be assembled at every
+        angle.
         """
         grid, names = self.grid, self._signals
         rows = np.array([names.index(window.side.signal) for window in windows])
@@ -104,7 +108,7 @@ class LocalMaxima:
         tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
 
         def heights(top: Integers, places: Array) -> Array:
-            """Heights of the tops' signals at crank angles (tops, n), rad."""
+            """Heights of the tops' signals at crank angles (tops, n), rad or m."""
             seen = self._values(numbers, names, places.ravel()).reshape(len(names), *places.shape)
             return np.asarray(ways[top, None] * seen[rows[top], np.arange(len(top))])
 
@@ -123,18 +127,21 @@ class LocalMaxima:
 
     @property
     def _dead_position_error(self) -> AssemblyError:
-        """The error to raise for a design that stands in a dead position."""
+        """A new error to raise for a design that stands in a dead position."""
         return AssemblyError(f"'{self.case.linkage.name}' stands in a dead position")
 
     def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
-        """Signals (names, angles), SI, of a design; raises AssemblyError where it stands in a dead position."""
+        """Signals (names, angles), SI, of a design at ``angle``, rad or m; raises AssemblyError in a dead position."""
         values = signal_values(self.case.mechanism, numbers, names, angle, speed=self.case.speed)
         if not np.all(np.isfinite(values)):
             raise self._dead_position_error
         return values
 
     def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
-        """The windows of one side, each around one of its highest maxima, cut at the minima between."""
+        """The windows of one side, whose height over the grid is ``values``, each around one of its highest maxima.
+
+        They are cut at the minima between; without a maximum the whole grid is one.
+        """
         count, cyclic = len(values), self.case.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:
@@ -150,7 +157,7 @@ class LocalMaxima:
 
 
 def _bracket_top(window: SampleWindow, values: Array) -> Array:
-    """Three neighbouring samples, by index, around a window's highest one."""
+    """Three neighbouring samples, by index, around the window's highest one of ``values`` over the grid."""
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])
     middle = max(min(top, window.last - 1), window.first + 1)
@@ -186,7 +193,7 @@ class Constraint(NamedTuple):
         return " ".join(f"{word} {end / self.figure.unit.size:.6g}" for word, end in ends if math.isfinite(end))
 
     def violation(self, value: Array) -> Array:
-        """The distance of values, SI, from the range, outside of it; 0 inside."""
+        """The distance of values, SI, from the range, outside of it; 0 inside; in their shape."""
         return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
 
 
@@ -209,7 +216,7 @@ class Pieces(NamedTuple):
         return self.sign * float(np.max(self.values))
 
     def bounded_by(self, sign: float) -> tuple[Array, Array]:
-        """Smooth values, and derivatives, whose highest is ``sign`` times the figure."""
+        """Smooth values, and derivatives, whose highest is ``sign``, 1 or -1, times the figure."""
         if sign == self.sign:
             return self.values, self.slopes
         values, slopes = self.top
@@ -269,12 +276,12 @@ class DesignProblem:
         return np.array([variable.high - variable.low for variable in self.variables])
 
     def numbers(self, place: Array) -> dict[str, float]:
-        """The numbers, SI, by name of the design at a place (variables,), 0 to 1 between the bounds."""
+        """The numbers, SI, by name of the design at a place (variables,), 0 to 1 between the bounds, not beyond."""
         values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
         return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
     def windows(self, place: Array) -> tuple[SampleWindow, ...]:
-        """Windows around the local maxima of the design at a place; raises AssemblyError."""
+        """Windows around the local maxima of the design at a place, () if no figure has any; raises AssemblyError."""
         return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
 
     def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
@@ -319,9 +326,9 @@ class DesignProblem:
         return [smooth.get(figure) or _figure_pieces(figure.figure, heights) for figure in self.figures]
 
     def sample_designs(self, places: Array, angles: Array) -> Array:
-        """Scaled aim and violation of the constraints of many designs (designs, variables): (2, designs).
+        """Scaled aim and violation of the constraints of designs at places (designs, variables): (2, designs).
 
-        Nan where a design cannot be assembled; extremes are those of the sampled angles.
+        Nan where a design cannot be assembled; extremes are those of the sampled ``angles``, rad or m.
         """
         values = self.low + self.width * places
         named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
@@ -350,9 +357,9 @@ NOT_NEGATIVE: Final = ("mass", "inertia")
 
 
 def variables(case: SteadyCase, texts: Sequence[str]) -> tuple[Variable, ...]:
-    """The numbers to vary, from texts as typed; one may be the driver's speed.
+    """The numbers to vary, with their bounds, from texts as typed; one may be the driver's speed.
 
-    Raises LinkproofError for malformed bounds, UnknownNameError for a name.
+    Raises LinkproofError for none, for malformed bounds and for one named twice, UnknownNameError for a name.
     """
     if not texts:
         raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
@@ -392,7 +399,7 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
 
 
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
-    """The constrained figures, each with the typed text of its range; None if the file's value is to stay."""
+    """The constrained figures of typed texts, each with that of its range; None if the file's value is to stay."""
     result: dict[NamedFigure, str | None] = {}
     for text in texts:
         name, mark, values = text.rpartition("=")
@@ -405,7 +412,10 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
 
 
 def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
-    """A constraint to a typed value or range, either end of which may be open; to ``file_value``, SI, for None."""
+    """A constraint to a typed value or range, either end of which may be open; to ``file_value``, SI, for None.
+
+    Raises LinkproofError for a range without numbers or upside down.
+    """
     if text is None:
         return Constraint(figure, file_value, file_value)
     ends = text.split(":")

@@ -55,7 +55,7 @@ class Descent:
     beyond: int = 0
 
     def run(self, start: Array) -> End | None:
-        """The end of a search from a design; None where the design cannot be assembled."""
+        """The end of a search from a place (variables,); None where the design there cannot be assembled."""
         try:
             end = self.end(start)
         except AssemblyError:
@@ -112,7 +112,7 @@ class Descent:
     def _search_round(self, end: End, radius: float) -> End | None:
         """The end of an SLSQP search within a radius; of the aim or, if a constraint is violated, the violation.
 
-        Either is a variable of its own, above all local maxima or all violations.
+        Either is a variable of its own, above all local maxima or all violations. None if the end cannot be assembled.
         """
         from scipy.optimize import minimize  # noqa: PLC0415
 
@@ -150,7 +150,10 @@ Rows = tuple[Array, Array, Array]
 
 
 def _below_aim(design: Linearised) -> Rows:
-    """Values that are positive if a design's aim is at most z, their derivatives by place, and by z."""
+    """Values that, with z by their last factor, are positive if a design's aim is at most z; derivatives; factors.
+
+    The derivatives are by place, the factors by z.
+    """
     own = np.concatenate([-design.aim, design.inside])
     return (
         own,
@@ -160,7 +163,10 @@ def _below_aim(design: Linearised) -> Rows:
 
 
 def _within_violation(design: Linearised) -> Rows:
-    """Values that are positive if a design violates no constraint by more than z; else as ``_below_aim``."""
+    """Values that, with z added, are positive if a design violates no constraint by more than z.
+
+    Their derivatives by place, and by z, follow.
+    """
     own = np.concatenate([design.inside, design.equal, -design.equal])
     return own, np.vstack([design.inside_slopes, design.equal_slopes, -design.equal_slopes]), np.ones(len(own))
 
@@ -184,7 +190,10 @@ class _CachedDesigns:
         self.good = self.designs
 
     def __call__(self, place: Array) -> Linearised:
-        """The design at a place, linearised; where it cannot be assembled, a stand-in worse than the last good one."""
+        """The design at a place, linearised; where it cannot be assembled, a stand-in worse than the last good one.
+
+        That is counted as ``beyond``.
+        """
         if not np.array_equal(place, self.last):
             self.last = place.copy()
             try:
@@ -234,12 +243,12 @@ class Search:
 
     @property
     def best(self) -> End | None:
-        """The lowest end that meets the constraints; else the end with the least violation."""
+        """The lowest end that meets the constraints; else the end with the least violation; None without an end."""
         return min((end for end in self.ends if end is not None), key=lambda end: end.rank, default=None)
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
-        """Ends that are worse than the best: higher, or with a constraint violated."""
+        """Ends that are worse than the best: higher, or with a constraint violated; () where none is."""
         best = self.best
         return tuple(
             end for end in self.ends if best is not None and end is not None
@@ -248,12 +257,15 @@ class Search:
 
     @property
     def misses_alike(self) -> bool:
-        """Whether several searches have ended as near to the constraints as the best, so that none comes nearer."""
+        """Whether several ends violate the constraints by as little as the best, so that none comes nearer."""
         found = [end.violation for end in self.ends if end is not None]
         return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
 
     def starts(self, count: int, most: int) -> list[Array]:
-        """Places to start from: at most ``most``, the best of an even sample of ``count``, apart from each other."""
+        """Places to start from: at most ``most``, the best of an even sample of ``count``, apart from each other.
+
+        Counts the sample.
+        """
         problem = self.descent.problem
         places = _even_places(count, len(problem.variables))
         self.sampled += count
@@ -271,8 +283,9 @@ class Search:
 def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
     """Search from the file's design ``start`` and, if ``everywhere``, from the best designs of an even sample.
 
-    Once the first few searches end at the same design, no others are made. Where the search from the file's design ends
-    without meeting the constraints, a few sampled designs are tried, until several miss the constraints alike.
+    ``announce`` is called with words, number and count before each of these. Once the first few searches end at the
+    same design, no others are made. Where the search from the file's design ends without meeting the constraints, a few
+    sampled designs are tried, until several miss the constraints alike.
     """
     result = Search(Descent(problem), everywhere)
     ends, run = result.ends, result.descent.run

@@ -129,7 +129,7 @@ class Sheet:
 
     @property
     def table(self) -> Mapping[str, Array]:
-        """The signals by name, SI, at the instants of tables and files."""
+        """The signals by name, SI, at the instants of tables and files: the chosen ones, or all."""
         return self.values if self.chosen is None else self.chosen
 
     def unit(self, name: str) -> FileUnit:
@@ -150,7 +150,7 @@ class Sheet:
         return self.without_rounding(figure.signal, value) / self.unit_of(figure).size
 
     def without_rounding(self, name: str, value: float) -> float:
-        """A signal's value, SI; 0 where it is no more than rounding beside the signals of its kind and unit."""
+        """A value of a signal, SI; 0 where it is no more than rounding beside the signals of its kind and unit."""
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:
@@ -167,7 +167,10 @@ class Sheet:
         return {"Mkr": torque, "Peq": torque * speed, "shaking_moment": torque, "S": extent}
 
     def without_rounded_figures(self) -> Sheet:
-        """The sheet with 0 for every number, and every curve, that is rounding; a peak of such a curve has no place."""
+        """A copy with 0 for each number and curve that is rounding; a peak of such a curve has no place.
+
+        Without a torque it has no figures of power, and a remark.
+        """
         idle = {
             name
             for name, values in self.values.items()
@@ -214,12 +217,12 @@ class Sheet:
         return scales
 
     def place_of(self, figure: SignalFigure) -> float | None:
-        """The place of a key figure on the axis: φ, rad, or the time, s; None without a place."""
+        """The place of a key figure on the axis: φ, rad or m, or the time, s; None without a place."""
         return figure.time if self.axis == TIME else figure.phi
 
     @property
     def joints(self) -> list[str]:
-        """Joints by name, that of the largest force first."""
+        """Joints with a force, by name, that of the largest force first; [] without forces."""
         signals = [name for name in self.values if name.startswith(JOINT) and name.endswith(MAGNITUDE)]
         signals.sort(key=lambda name: -(self.peaks[name].value or 0.0))
         return [name.removeprefix(JOINT).removesuffix(MAGNITUDE) for name in signals]
@@ -231,17 +234,17 @@ class Sheet:
 
     @property
     def is_turn(self) -> bool:
-        """Whether the axis shows exactly one turn, from 0° to 360°."""
+        """Whether the axis shows exactly one turn of φ."""
         return self.axis == "phi" and abs(self._swept_angle - FULL_TURN) <= ROUNDING * FULL_TURN
 
     def angle(self, phi: float) -> float:
-        """φ in the file's unit, within a turn where the motion is that long."""
+        """φ, rad or m, in the file's unit, within a turn where the motion is that long."""
         is_long = self._swept_angle >= FULL_TURN * (1.0 - NEGLIGIBLE)
         return float(in_turn(phi) if is_long else phi) / self.unit("phi").size
 
     @property
     def axis_unit(self) -> FileUnit:
-        """The unit of the axis: degrees of a turn, else the file's."""
+        """The unit of the axis: degrees of a turn, else the file's of φ or the time."""
         return FileUnit("°", FULL_TURN / 360.0) if self.is_turn else self.unit(self.axis)
 
     @property
@@ -256,7 +259,10 @@ class Sheet:
         return np.argsort(along[:-1] % FULL_TURN if self.is_turn else along, kind="stable")
 
     def sorted_by_axis(self, values: Array) -> Array:
-        """Samples (n,) in the order of the ascending axis, so that a curve runs from left to right."""
+        """Samples (n,) in the order of the ascending axis, so that a curve runs from left to right.
+
+        Over a turn the first one is repeated at the end.
+        """
         ordered = values[self._order]
         return np.append(ordered, ordered[0]) if self.is_turn else ordered
 
@@ -270,5 +276,5 @@ class Sheet:
         return np.append(ordered, ordered[0] + FULL_TURN) / self.axis_unit.size
 
     def y(self, name: str) -> Array:
-        """The ordinates (n,) of a signal's curve, in ``unit``."""
+        """The ordinates (n,) of a signal's curve, in ``unit``, in the order of ``x``."""
         return self.sorted_by_axis(self.values[name]) / self.unit(name).size

@@ -64,7 +64,7 @@ class DesignSpace:
 
     @property
     def dimensions(self) -> tuple[str, ...]:
-        """Names of the dimensions: the parameters of a grid."""
+        """Names of the dimensions: the parameters of a grid, "design" of a list."""
         return (ONE_BY_ONE,) if self.is_list else tuple(number.name for number in self.parameters)
 
     @property
@@ -85,15 +85,16 @@ class DesignSpace:
         return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
 
     def block(self, first: int, last: int) -> dict[str, Array]:
-        """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
+        """SI values (designs,) of the designs from number ``first`` to before ``last``, by parameter."""
         values = self.file_values(first, last)
         return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
 
 def parameter_range(case: SteadyCase, text: str) -> tuple[Parameter, Array]:
-    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` means.
+    """The parameter and its values, in equal steps, that a text ``rod.B.x=170:180:1000`` means.
 
-    Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a malformed range.
+    The values are in the file's unit. Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a
+    malformed range.
     """
     name, equals, ends = text.rpartition("=")
     words = ends.split(":")
@@ -120,7 +121,7 @@ LARGEST_TABLE: Final = 1 << 27  # bytes
 
 
 def read_table(path: Path, case: SteadyCase) -> DesignSpace:
-    """The table of a file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
+    """The list of designs of a CSV file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
 
     Raises LinkproofError for a file that cannot be read, an unknown column or unit, and rows that are no designs.
     """
@@ -144,7 +145,10 @@ def read_table(path: Path, case: SteadyCase) -> DesignSpace:
 
 
 def _read_column(name: str, case: SteadyCase) -> tuple[Parameter, float]:
-    """The parameter that a cell of the first line names, and the column's unit over the file's unit."""
+    """The parameter that a cell of the first line names, and the size of the column's unit in the file's unit.
+
+    Raises LinkproofError for an unknown parameter or unit.
+    """
     name, bracket, unit = name.strip().partition("[")
     entry = case.parameter(name.strip())
     size = entry.si(f"1 {unit.strip().removesuffix(']').strip()}") / entry.unit.size if bracket else 1.0
@@ -152,7 +156,10 @@ def _read_column(name: str, case: SteadyCase) -> tuple[Parameter, float]:
 
 
 def _read_row(start: str, line: int, row: Sequence[str], names: Sequence[str]) -> list[float]:
-    """The numbers of a design from the cells of its line; raises LinkproofError for other cells."""
+    """The numbers of a design from the cells of its line; raises LinkproofError for other cells, or too few.
+
+    The message begins with ``start``.
+    """
     if len(row) != len(names):
         raise LinkproofError(f"{start} {len(names)} cells in every line, got {len(row)} in line {line}; correct it")
     try:
@@ -165,9 +172,10 @@ def _read_row(start: str, line: int, row: Sequence[str], names: Sequence[str]) -
 
 
 def given_designs(case: SteadyCase, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
-    """The designs of ``vary``, a grid, or ``table``, a list; for Dask arrays one design and the arrays by name.
+    """The designs of ``vary``, a grid, or ``table``, a list, and None; for Dask arrays one design and the arrays.
 
-    Raises LinkproofError for bad input.
+    ``vary`` is texts or arrays by name, ``table`` a path or arrays by name, and one of them has to be given; the arrays
+    are by name. Raises LinkproofError for bad input.
     """
     if bool(vary) == (table is not None):
         got = "both" if vary else "neither"
@@ -193,7 +201,10 @@ def _is_dask_array(values: object) -> bool:
 
 
 def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
-    """Values of a parameter as an array; raises LinkproofError unless they are a list of finite numbers."""
+    """Values of a parameter as an array (n,); raises LinkproofError unless they are a list of finite numbers.
+
+    Those of a Dask array are not looked at.
+    """
     data = getattr(given, "data", given) if hasattr(given, "dims") else given  # of a DataArray
     values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
     if len(values.shape) != 1 or values.shape == (0,) or not (_is_dask_array(values) or np.all(np.isfinite(values))):
@@ -223,7 +234,10 @@ class SweepRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences on open ends, and on loads over φ while the first or last design moves the dead centres."""
+        """Sentences on open ends, and on loads over φ while the first or last design moves the dead centres.
+
+        [] without.
+        """
         ends = (self.space.block(0, 1), self.space.block(self.space.count - 1, self.space.count))
         designs = [{name: float(values[0]) for name, values in end.items()} for end in ends]
         return [*filter(None, (self.at_open_end.sentence, self.case.loads_that_stay(designs)))]
@@ -264,28 +278,34 @@ class SweepStudy:
         return np.stack([np.min(shown, axis=1), np.max(shown, axis=1)], axis=1)
 
     def extreme(self, figure: int, way: float) -> int | None:
-        """Number of the first design with a figure's largest, or with ``way`` -1 least, value; None without one."""
+        """Number of the first design with the largest value of a figure, or with ``way`` -1 the least; None without.
+
+        ``figure`` is its number.
+        """
         heights = np.where(np.isfinite(self.values[figure]), way * self.values[figure], -np.inf)
         place = int(np.argmax(heights))
         return place if np.isfinite(heights[place]) else None
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """The study as a labelled dataset with names and units."""
+        """The study as a labelled dataset with names and units, in the units of the file."""
         space = self.request.space
         columns = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
         return labelled_dataset(self.request, columns, self.values.reshape(-1, *space.shape))
 
 
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
-    """The figures if the user names none: peaks of torque, forces, transmission angles, and the stroke."""
+    """The figures if the user names none: peaks of torque and forces, least transmission angles, and the stroke.
+
+    Those that the linkage lacks are left out.
+    """
     signals = names(mechanism)
     usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in signals)]
     return named_figures(mechanism, [*usual, *([STROKE] if "S" in signals else [])])
 
 
 def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = lambda *_: None) -> SweepStudy:
-    """Compute the figures of a space, block by block; ``announce`` hears how many designs are finished.
+    """Compute the figures of all designs, block by block; ``announce`` hears how many designs are finished.
 
     Raises LinkproofError where the space has values that no design can.
     """
@@ -303,7 +323,10 @@ def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = l
 
 
 def reason_not_assembled(request: SweepRequest) -> str:
-    """The sentence why the first design cannot be assembled throughout its motion; "" where it can."""
+    """The sentence why the first design cannot be assembled throughout its motion; "" where it can.
+
+    So too where it stands in a dead position.
+    """
     case, first = request.case, request.space.block(0, 1)
     try:
         moved = case.redesigned({name: float(values[0]) for name, values in first.items()}).mechanism.sweep(case.places)
@@ -316,7 +339,10 @@ def reason_not_assembled(request: SweepRequest) -> str:
 
 
 def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: Any) -> xarray.Dataset:  # noqa: ANN401
-    """A dataset of ``figures`` (figures, *shape) over ``values`` of the parameters, with names and units."""
+    """A dataset of ``figures`` (figures, *shape) over ``values`` of the parameters, with names and units.
+
+    Both are in the file's units, and may be lazy.
+    """
     import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
 
     over = request.space.dimensions
@@ -339,7 +365,10 @@ def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: 
 
 
 def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dataset:
-    """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks."""
+    """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks.
+
+    Raises LinkproofError for figures that no design has.
+    """
     import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 
     request.own()  # raises LinkproofError for figures that no design has
@@ -355,6 +384,6 @@ def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dat
 
 
 def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
-    """The figures of one chunk of designs, in the shape that Dask joins."""
+    """The figures of the designs that ``values``, one array of each parameter, span: (figures, *shape)."""
     space = replace(request.space, columns=values)
     return request.values(space.block(0, space.count)).reshape(-1, *space.shape)

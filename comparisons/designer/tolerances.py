@@ -61,7 +61,7 @@ class Distribution(StrEnum):
         return 1.0 / 3.0 if self is Distribution.NORMAL else 1.0 / math.sqrt(3.0)
 
     def quantiles_at(self, shares: Array) -> Array:
-        """Quantiles, as shares of the ±, at cumulative ``shares`` from 0 to 1."""
+        """Quantiles, as shares of the ±, at cumulative ``shares`` from 0 to 1, in their shape."""
         from scipy.special import ndtri  # noqa: PLC0415 - a third of a second that other studies do not pay
 
         return np.asarray(ndtri(shares)) / 3.0 if self is Distribution.NORMAL else 2.0 * shares - 1.0
@@ -102,7 +102,10 @@ class ToleranceDocument(TomlTable):
 
 
 def read_tolerances(path: Path) -> Tolerances:
-    """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents."""
+    """The tolerances that a file requests; raises LinkproofError if it cannot be read or has other contents.
+
+    A number's ± is not read yet.
+    """
     source = read_source(path, "a file of tolerances")
     document = parse_document(source, ToleranceDocument)
     if document.speed == 0.0:
@@ -113,12 +116,10 @@ def read_tolerances(path: Path) -> Tolerances:
 def tolerances(
     linkage: Linkage, table: Mapping[str, Any], source: Source | None = None, speed: float = math.nan
 ) -> tuple[TolerancedNumber, ...]:
-    """Tolerances of a linkage, and of its driver's ``speed``, SI, by name.
+    """Tolerances of a linkage's numbers, and of its driver's ``speed``, SI, in the order of the table.
 
-    A value is a number, a text with a unit, or a table of ± and distribution.
-
-    Raises LinkproofError with the name, and its line in the ``source``, for unknown names (with the nearest) and for
-    values that are not a positive ±.
+    A value is a number, a text with a unit, or a table of ± and distribution. Raises LinkproofError with the name, and
+    its line in the ``source``, for unknown names (with the nearest) and for values that are not a positive ±.
     """
     result: dict[str, TolerancedNumber] = {}
     for name, value in _flatten_table(table):
@@ -135,7 +136,10 @@ def _fault(source: Source | None, message: str) -> LinkproofError:
 
 
 def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Values of a table by full names: rod.B.x without quotes is a table of tables."""
+    """Yield the values of a table by full names: rod.B.x without quotes is a table of tables.
+
+    Names begin with ``prefix``.
+    """
     for key, value in table.items():
         if isinstance(value, Mapping) and not {PLUS_MINUS, DISTRIBUTION} & {*value}:
             yield from _flatten_table(value, f"{prefix}{key}.")
@@ -144,7 +148,10 @@ def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple
 
 
 def _read_tolerance(number: Parameter, value: object) -> TolerancedNumber:
-    """The tolerance of a number from its value in the table; raises LinkproofError."""
+    """The tolerance of a number from its value in the table; raises LinkproofError for another value.
+
+    That is a ±, or a table of it and a distribution, normal by default.
+    """
     entry: Mapping[str, Any] = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
     for key in entry:
         if key not in (PLUS_MINUS, DISTRIBUTION):
@@ -196,7 +203,7 @@ class ToleranceStudy:
 
     @cached_property
     def at_open_end(self) -> OpenEndFigures:
-        """The results whose extremes lie at an open end of the motion."""
+        """The results whose extremes lie at an open end of the nominal motion, with a sentence on them."""
         return self.case.open_ends(self.figures)
 
     @property
@@ -213,19 +220,19 @@ class ToleranceStudy:
     def contributions(self) -> Array:
         """The change, ±, of each result by each tolerance alone, (results, tolerances), SI.
 
-        From its derivative; where two maxima tie no derivative exists, and it is the larger of the changes.
+        It is from the derivative; where two maxima tie no derivative exists, and it is the larger of the changes.
         """
         linear = np.abs(self.derivatives) * self._sizes
         return np.where(np.isnan(linear), np.max(np.abs(self.changes), axis=2), linear)
 
     @property
     def deviations(self) -> Array:
-        """Standard deviation of each result, by the derivatives (results,)."""
+        """Standard deviation of each result by the derivatives, (results,), SI."""
         return np.asarray(np.sqrt(np.sum(self._variances, axis=1)))
 
     @property
     def shares(self) -> Array:
-        """Share of each tolerance in the variance of each result; zero where nothing moves it."""
+        """Share of each tolerance in the variance of each result, (results, tolerances); 0 where nothing moves it."""
         total = np.sum(self._variances, axis=1, keepdims=True)
         return np.asarray(self._variances / np.where(total > 0.0, total, 1.0))
 
@@ -266,7 +273,7 @@ class ToleranceStudy:
 
     @property
     def _variances(self) -> Array:
-        """The part of each result's variance that each tolerance causes, (results, tolerances)."""
+        """The part of each result's variance that each tolerance causes, (results, tolerances), SI squared."""
         deviation = np.array([tolerance.distribution.deviation for tolerance in self.tolerances])
         return np.asarray(np.square(self.contributions * deviation))
 
@@ -274,7 +281,7 @@ class ToleranceStudy:
 def tolerance_study(
     case: SteadyCase, requested: Tolerances, samples: int | None = None, announce: Announce = lambda *_: None
 ) -> ToleranceStudy:
-    """Compute a tolerance study of a linkage in a case.
+    """Compute a tolerance study of a linkage in a case; ``announce`` hears how many designs are begun.
 
     Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
     LinkproofError for an unknown name, no results, too few or too many samples, and where the nominal or nearly all
@@ -327,7 +334,7 @@ def _checked_samples(case: SteadyCase, samples: int | None) -> int:
 
 
 def _random_offsets(numbers: Sequence[TolerancedNumber], samples: int) -> Array:
-    """Random distances (tolerances, samples), SI, of the numbers from their nominal values."""
+    """Random distances (tolerances, samples), SI, of the numbers from their nominal values, the same every time."""
     from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that help does not pay
 
     drawn = LatinHypercube(len(numbers), rng=SEED).random(samples).T
@@ -344,7 +351,8 @@ def _results(
 ) -> Array:
     """Results of designs at ``offsets`` (tolerances, designs), SI, (results, designs); nan if not assembled.
 
-    Masses and inertias that a wide normal distribution makes negative are zero.
+    Masses and inertias that a wide normal distribution makes negative are zero. ``announce`` is called before every
+    block.
     """
     least = [0.0 if number.parameter.kind in (Kind.MASS, Kind.INERTIA) else -math.inf for number in numbers]
     nominal = np.array([number.parameter.value for number in numbers])
@@ -358,7 +366,10 @@ def _results(
 
 
 def _corners(derivatives: Array) -> Array:
-    """Corners (tolerances, corners) of -1 and 1: all, or the two that each result's derivatives point to."""
+    """Corners (tolerances, corners) of -1 and 1: all, or of many tolerances two for each result.
+
+    To those two the ``derivatives`` (results, tolerances) point.
+    """
     count = derivatives.shape[1]
     if count <= ALL_CORNERS:
         return np.array([*itertools.product((-1.0, 1.0), repeat=count)]).T
@@ -367,7 +378,10 @@ def _corners(derivatives: Array) -> Array:
 
 
 def _corner_ranges(values: Array) -> Array:
-    """The least and the largest result (results, 2) of the corners that assemble; nan where none does."""
+    """The least and the largest result (results, 2) of ``values`` (results, corners) that are no nan.
+
+    Nan without any.
+    """
     least = np.min(np.where(np.isnan(values), np.inf, values), axis=1)
     largest = np.max(np.where(np.isnan(values), -np.inf, values), axis=1)
     ends = np.stack([least, largest], axis=1)

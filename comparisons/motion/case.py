@@ -61,7 +61,7 @@ class DriverMotion(Protocol):
 
     @property
     def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
+        """Largest |ω|, rad/s, or m/s of a linear drive."""
         ...
 
     @property
@@ -70,15 +70,15 @@ class DriverMotion(Protocol):
         ...
 
     def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
+        """φ(t), rad, or m of a linear drive; times in s, in their shape."""
         ...
 
     def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
+        """ω(t), rad/s, or m/s of a linear drive; times in s, in their shape."""
         ...
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s²."""
+        """ε(t), rad/s², or m/s² of a linear drive; times in s, in their shape."""
         ...
 
 
@@ -112,7 +112,7 @@ def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
 def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Body]:
     """Every link as a body in its state at the sweep's single crank angle, by the link's name.
 
-    The crank's speed ω is in rad/s, its acceleration ε in rad/s².
+    The crank's speed ω is in rad/s, its acceleration ε in rad/s²; of a linear drive in m/s and m/s².
     """
     return {name: _body_state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
 
@@ -143,7 +143,7 @@ def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> B
 def scene(
     mechanism: Mechanism, drive: Drive, channels: Iterable[Channel], *, start_angle: float = 0.0, speed: float = 0.0
 ) -> Scene:
-    """The scene of a mechanism under a drive, for an engine.
+    """The scene of a mechanism under a drive, for an engine that is to record ``channels``.
 
     Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
     speed ``speed`` (rad/s), its accelerations taken from the equation of motion.
@@ -172,12 +172,12 @@ class Truth(LinkageInMotion):
 
     @cached_property
     def speed(self) -> Array:
-        """ω at the instants, rad/s."""
+        """ω at the instants, rad/s, (n,)."""
         return self.motion.speed(self.time)
 
     @cached_property
     def acceleration(self) -> Array:
-        """ε at the instants, rad/s²."""
+        """ε at the instants, rad/s², (n,)."""
         return self.motion.acceleration(self.time)
 
     @cached_property
@@ -228,12 +228,15 @@ class Case:
 
     @cached_property
     def reach(self) -> tuple[float, float]:
-        """The lowest and the highest φ of the motion, rad or m."""
+        """The lowest and the highest φ, rad or m, of many instants of the motion."""
         angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
         return float(np.min(angle)), float(np.max(angle))
 
     def check_motion(self) -> None:
-        """Raise AssemblyError where the linkage cannot be assembled or move at an angle that the crank passes."""
+        """Raise AssemblyError where the linkage cannot be assembled or move at an angle that the crank passes.
+
+        It is looked at in small steps.
+        """
         low, high = self.reach
         self._check_change_points(low, high)
         cylinder = self.mechanism.linkage.cylinder
@@ -252,7 +255,7 @@ class Case:
             raise
 
     def _check_change_points(self, low: float, high: float) -> None:
-        """Raise AssemblyError where a dyad turns freely at an angle passed, or the crank rests on a change point."""
+        """Raise AssemblyError where a dyad turns freely between two angles, or the crank rests on a change point."""
         self.mechanism.check_determined(low, high)
         motion = self.motion
         pieces = motion.segments if isinstance(motion, CrankMotion) else ()
@@ -263,16 +266,19 @@ class Case:
 
     @property
     def unbounded_at(self) -> float | None:
-        """The first change point that the motion passes, rad, where joint forces are infinite; None without one."""
+        """A change point that the motion passes, the first in a turn, rad, where joint forces are infinite.
+
+        Else None.
+        """
         low, high = self.reach
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
-        """The linkage posed at the first instant of the motion."""
+        """The linkage posed at the first instant of the motion, arrays (1,)."""
         return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
-        """The scene of the case, for an engine."""
+        """The scene of the case, for an engine that is to record ``channels``."""
         drive = self.drive
         if drive is None:
             assert isinstance(self.motion, CrankMotion)
@@ -282,7 +288,7 @@ class Case:
         return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
 
     def at(self, time: Array) -> Truth:
-        """The Truth at instants (n,), s, cached by clock so that quantities on one clock share its work."""
+        """The Truth at instants (n,), s, cached for the last few clocks: quantities on one clock share its work."""
         key = time.tobytes()
         if key not in self._seen:
             while len(self._seen) >= MOST_CLOCKS:
@@ -301,7 +307,7 @@ class Case:
 
     @cached_property
     def at_rest(self) -> Case:
-        """The case of the driver at rest where the motion begins."""
+        """A case of the same mechanism, its driver at rest where the motion begins, for as long."""
         rest = Segment(0.0, self.motion.duration, (float(self.motion.angle(0.0)),))
         return Case(self.mechanism, CrankMotion(self.motion.regime, (rest,)))
 
@@ -310,19 +316,25 @@ class Case:
         return self.mechanism.linkage.joint_names
 
     def output_anchor(self) -> Vector:
-        """The output point relative to its link's mass centre, link frame, m."""
+        """The output point relative to its link's mass centre, link frame, m.
+
+        Raises LinkproofError without an output.
+        """
         link = self.mechanism.linkage.links[self.output.link]
         point = link.points[self.output.point]
         return (point[0] - link.centre[0], point[1] - link.centre[1])
 
     def along(self, vectors: Array) -> Array:
-        """The component of vectors (n, 2) along the output's direction, (n,)."""
+        """The component of vectors (n, 2) along the output's direction, (n,).
+
+        Raises LinkproofError without an output.
+        """
         return np.asarray(vectors @ np.asarray(self.output.along))
 
 
 @lru_cache(maxsize=16)  # a megabyte each, or tens where a crank is released for long
 def unpickle_case(case: bytes) -> Case:
-    """The case of a worker's job, the same object for all its jobs, so that they share its cache.
+    """The case of a worker's job from its pickle, one object for all its jobs, so that they share its cache.
 
     Pickled even within this process: unpickling may change an array's memory order, and with it the last bits of sums;
     so all workers get the same bits.
@@ -332,7 +344,7 @@ def unpickle_case(case: bytes) -> Case:
 
 
 def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime) -> FreeMotion:
-    """The motion of a crank released as a regime of the file says."""
+    """The motion of a crank released as a regime of the file says, integrated, with the regime's name."""
     motion = free_motion(
         mechanism,
         torque=regime.torque if regime.over_angle is None else regime.over_angle,
@@ -359,7 +371,7 @@ def _release_words(linkage: Linkage, regime: ReleasedRegime) -> str:
 def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
     """The case of a regime of the linkage's file: a prescribed motion, or a released crank by the equation of motion.
 
-    A crank torque over the angle is a load like any other: it is put among the linkage's.
+    A crank torque over the angle is a load like any other: the case's linkage, a copy, has it among its own.
     """
     gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
     if isinstance(regime, PrescribedRegime):
@@ -374,7 +386,7 @@ def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
 
 
 def _torque_words(regime: ReleasedRegime, unit: str) -> str:
-    """A released crank's torque in words, in this unit."""
+    """A released crank's torque in words, in this unit if constant; else how many values it has, over what."""
     if regime.over_angle is not None:
         return f"{len(regime.over_angle.values)} values over the angle"
     if regime.over_time is not None:
@@ -383,9 +395,9 @@ def _torque_words(regime: ReleasedRegime, unit: str) -> str:
 
 
 def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
-    """A released crank's drive: torque, duration, s, and fastest change of speed, rad/s, for the choice of steps.
+    """A released crank's drive: torque, duration, s, and pace, rad/s, from which an engine chooses its steps.
 
-    From the last an engine chooses its steps.
+    The pace is the peak speed and the largest change of speed that the motion makes.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
     return Free(regime.torque, regime.duration, motion.peak_speed + hardest / motion.peak_speed, regime.over_time)
@@ -395,7 +407,10 @@ def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
 
 
 def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array:
-    """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
+    """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,).
+
+    ``part`` is the body's or the joint's name; the drive needs none.
+    """
     at = case.at(time)
     if channel is Channel.TORQUE:
         return at.torque

@@ -15,13 +15,19 @@ EXTREMES: Final = 40
 
 
 def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:
-    """The curve (``CURVE``, samples) that a run stores: thinned, and the sample with the largest error kept."""
+    """The curve that a run stores: rows of time, angle, reference and error at few samples.
+
+    They show the reference's extremes, and the sample with the largest error is among them.
+    """
     chosen = distinct(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
     return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
 
 
 def extreme_samples(values: Array, stretches: int) -> Integers:
-    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short."""
+    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short.
+
+    ``stretches`` is their number.
+    """
     if len(values) <= 2 * stretches:
         return np.arange(len(values))
     ends = np.array([0, len(values) - 1])
@@ -29,7 +35,7 @@ def extreme_samples(values: Array, stretches: int) -> Integers:
 
 
 def highest_samples(values: Array, stretches: int) -> Integers:
-    """Index of the highest sample of each of a curve's stretches, which are equally long but for the last."""
+    """Index of the highest sample of each of a curve's ``stretches``, which are equally long but for the last."""
     size = -(-len(values) // stretches) or 1
     starts = np.arange(0, len(values), size)
     padded = np.full(len(starts) * size, -np.inf)

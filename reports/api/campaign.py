@@ -69,8 +69,8 @@ class Chosen(NamedTuple):
 def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) -> Chosen:
     """The linkages in the variant and under the gravity of a motion; by default the catalogue's that have the variant.
 
-    Files of the same name get the names of their folders before their own, as many as are needed to differ. Raises
-    LinkproofError where two names are the same.
+    Each is there once. Files of the same name get the names of their folders before their own, as many as are needed to
+    differ. Raises LinkproofError where two names are the same.
     """
     named = tuple({word_of(each): each for each in words(given) or _with_variant(catalogue(), motion.variant)}.values())
     files = _told_apart(named, [linkage_file(each) for each in named])
@@ -85,12 +85,15 @@ def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) 
 
 
 def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
-    """The names of linkages that have the variant; all names for None, or if none has it."""
+    """The names of linkages that have the variant; all of ``names`` for None, or if none has it."""
     return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
 
 
 def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> tuple[LinkageFile, ...]:
-    """The files, those of one name renamed after their folders; raises LinkproofError where they stay equal."""
+    """The files in their order, those of one name renamed after their folders; some may stay equal.
+
+    ``named`` are the linkages as they were given.
+    """
     names = [file.name for file in files]
     for depth in range(1, DEEPEST_FOLDER + 1):
         counts = Counter(file.name for file in files)
@@ -117,7 +120,7 @@ def missing_engines(engines: Sequence[str]) -> str:
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
-    """The named engines, each once; raises LinkproofError for one that cannot be used here."""
+    """The engines of these names, each once; raises LinkproofError for one that cannot be used here or is unknown."""
     for adapter in adapters(engines):
         absent = why_unavailable(adapter)
         if absent is not None:
@@ -126,15 +129,15 @@ def named(engines: Sequence[str]) -> tuple[str, ...]:
 
 
 def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
-    """The engines of these names, all that are installed where none is named.
+    """The engines of these names; all that are installed where none is named.
 
-    Raises LinkproofError for a named engine that cannot be used.
+    Raises LinkproofError for a named engine that cannot be used or is unknown.
     """
     return named(names) or tuple(installed(engine_names()))
 
 
 def requested_settings(names: Sequence[str]) -> tuple[Setting, ...]:
-    """The settings of these names, each once; tuned for no name, all for "all". Raises UnknownNameError."""
+    """The settings of these names, each once; tuned for no name, all for "all"; raises UnknownNameError."""
     if EVERYTHING in names:
         return tuple(Setting)
     for name in names:
@@ -150,9 +153,10 @@ def request(
     setting: Sequence[str] = (),
     quantity: Sequence[str] = (),
 ) -> CampaignRequest:
-    """The runs of a comparison; raises LinkproofError for bad input.
+    """The runs of a comparison under ``motion``, of engines, settings and quantities by name; raises LinkproofError.
 
-    A linkage's own regimes run in the settings that are named; of all, in tuned alone, since they take many turns.
+    By default the engines are those installed, the setting is tuned, and all is compared. A linkage's own regimes run
+    in the settings that are named; of all, in tuned alone, since they take many turns.
     """
     motions, conditions, own_regimes = requested_motions(motion, linkages)
     settings = requested_settings(setting)
@@ -173,7 +177,7 @@ def request(
 
 
 def run_bounds(bounds: Asked) -> RunBounds:
-    """The time and memory of each run; raises LinkproofError for bad input, also for wrong processes."""
+    """The time and memory of each run; raises LinkproofError for bad input, of ``jobs`` and ``scheduler`` too."""
     for option, value, unit in (
         ("--time-limit", bounds.time_limit, "s"),
         ("--memory-limit", bounds.memory_limit, "GiB"),
@@ -199,7 +203,10 @@ def processes(bounds: Asked) -> int:
 
 
 def worker_pool(bounds: Asked) -> LocalPool | DaskPool:
-    """The worker processes, of this machine or of a Dask scheduler, for list after list of runs."""
+    """A new pool of worker processes, of this machine or of a Dask scheduler, for list after list of runs.
+
+    The caller closes it.
+    """
     return LocalPool(processes(bounds), lasts=True) if bounds.scheduler is None else DaskPool(bounds.scheduler)
 
 
@@ -216,11 +223,14 @@ def kept(
     linkages: Iterable[Linkage] = (),
     without: Sequence[str] = (),
 ) -> Kept:
-    """The study of the results that ``make`` makes for a call of ``function``, with the runs that are finished already.
+    """The study, of a ``kind``, of what ``make`` makes for a call of ``function`` from the runs finished already.
 
-    ``given`` are the arguments of the call. Its folder keeps every run, and at last the study. Ctrl-C raises
-    KeyboardInterrupt with the number of runs in the folder, and the command that finishes them. Options ``without`` a
-    part in what is run may differ from those of the call that began them.
+    ``given`` are the arguments of the call. Its folder, if it asks for one, keeps every run, and at last the study.
+    Ctrl-C raises KeyboardInterrupt with the number of runs in the folder, and the command that finishes them. Options
+    ``without`` a part in what is run may differ from those of the call that began them; ``engines`` and ``linkages``
+    may not.
+
+    Without an engine in the call, a remark names those that are not installed.
     """
     folder, remark = given["out"], "" if given["engine"] else missing_engines(engines)
     number = total = 0
@@ -254,10 +264,10 @@ def _finished_runs(
     linkages: Iterable[Linkage],
     without: Sequence[str],
 ) -> Runs:
-    """The finished runs of the same request; those of another one are removed.
+    """The finished runs in the folder of the same request; those of another one are removed, and that is printed.
 
     Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
-    engines are equal.
+    engines are equal, options ``without`` a part in what is run aside.
     """
     facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {each.name}": each.version() or "not installed" for each in adapters(engines)}
@@ -274,12 +284,15 @@ def _finished_runs(
 
 
 def rows_before(place: Path) -> list[Error]:
-    """The recorded rows of a CSV file or of a results folder's comparison; raises LinkproofError."""
+    """The recorded rows of a CSV file or of a results folder's comparison; raises LinkproofError if unreadable."""
     return load_results(place).rows if os.path.isdir(place) else read_rows(place)
 
 
 def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTable:
-    """The limits of a user's file before the suite's, or the suite's alone; raises LinkproofError for unknown names."""
+    """The limits of a user's file before the suite's, or the suite's alone for None; raises LinkproofError.
+
+    It does so for unknown names in the file; those of ``files``, and of linkages beside them, are known.
+    """
     if limits is None:
         return shipped_limits()
     chosen = read_limits(limits)
@@ -289,7 +302,7 @@ def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTab
 
 
 def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
-    """The linkage files of a comparison and those in the same folders, which a limit may name as well."""
+    """Yield the linkage files of a comparison and those in the same folders, which a limit may name as well."""
     yield from named
     for folder in dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known):
         for path in sorted(folder.glob("*.toml")):
@@ -298,16 +311,16 @@ def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
 
 
 def _regimes(file: LinkageFile) -> list[str]:
-    """Names of the regimes that a linkage file defines; none if it cannot be read."""
+    """Names of the regimes that a linkage file defines; [] if it cannot be read."""
     with suppress(LinkproofError):
         return [regime.name for regime in file.linkage().regimes]
     return []
 
 
 def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen) -> Comparison:
-    """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
+    """Make and judge the runs that a call of ``function`` asks for; they are kept in its folder, if it names one.
 
-    Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments, ``chosen`` its linkages. Raises LinkproofError for bad input before any run.
     """
     motion, bounds, command = given["motion"], run_bounds(given["bounds"]), command_line(function, given)
     asked = request(chosen.linkages, motion, given["engine"], given["setting"], given["quantity"])
@@ -316,7 +329,7 @@ def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: C
     every_variant = motion.variant is None and motion.gravity  # figures are those of all
 
     def make(finished: Runs | None, announce: Announce) -> CampaignResults:
-        """The runs with their verdicts, and what has changed."""
+        """The runs with their verdicts, and what has changed since the results before; makes those not ``finished``."""
         with closing(worker_pool(given["bounds"])) as pool:
             runs = run_campaign(asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=limits)
         figures, changes = closed_form(asked, every_variant=every_variant), tuple[Change, ...]()
@@ -335,7 +348,7 @@ def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: C
 
 
 def script(asked: CampaignRequest, file: Path, command: str) -> Script:
-    """Write a request's one run, in one engine and setting, as a script; a comparison of which nothing was run.
+    """Write a request's one run, in one engine and setting, to a file as a script; an empty comparison that says so.
 
     Raises LinkproofError for several runs, and for a run that cannot be exported.
     """
@@ -361,13 +374,16 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
 def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: Sequence[Linkage]) -> Benchmark:
-    """Make the measurements that a call of ``function`` asks for; its folder keeps the runs."""
+    """Make the measurements that a call of ``function`` asks for; its folder, if it names one, keeps the runs.
+
+    ``given`` are its arguments. Raises LinkproofError for bad input before any run.
+    """
     runs = request(linkages, usual_motion(given["motion"], quick=given["quick"]), given["engine"])
     cases, extent = tuple(each_case(runs)), QUICK if given["quick"] else FULL
     quantities = measured_quantities(cases, given["quantity"])
 
     def make(finished: Runs | None, announce: Announce) -> Bench:
-        """The measurements, one run at a time."""
+        """The measurements, those not ``finished`` made one run at a time."""
         with closing(LocalPool(1, lasts=True)) as pool:
             command = command_line(function, given)
             asked = BenchRequest(cases, runs.engines, quantities, extent=extent, pool=pool, command=command)
@@ -377,7 +393,7 @@ def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: 
 
 
 def usual_motion(motion: Motion, *, quick: bool) -> Motion:
-    """The motion, with the default regimes if it names none.
+    """A copy of the motion, with the default regimes if it names none.
 
     A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
     """
@@ -390,7 +406,10 @@ def usual_motion(motion: Motion, *, quick: bool) -> Motion:
 
 
 def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[str, ...]:
-    """The quantities to measure; raises LinkproofError for one that a case does not have."""
+    """The quantities to measure, the usual ones if none is named, each once; raises LinkproofError.
+
+    It does so for an unknown one and for a case that has none of them.
+    """
     quantities = tuple(dict.fromkeys(map(symbol, named))) or QUANTITIES
     for name in quantities:
         if name not in (*COMPARED, JOINTS):
@@ -410,9 +429,10 @@ def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[st
 
 
 def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> StabilityMaps:
-    """Make the maps, or the single cells, that the call of a ``function`` asks for; its folder keeps the runs.
+    """Make the maps, or the single cells, that the call of a ``function`` asks for.
 
-    Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments; its folder, if it names one, keeps the runs of maps. Raises LinkproofError for bad
+    input before any run.
     """
     if given["jobs"] is not None and given["jobs"] < 1:
         raise LinkproofError(
@@ -435,7 +455,7 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> St
     chosen = cells(axes, engines, given["setting"], quick=quick)
 
     def make(finished: Runs | None, announce: Announce) -> Stress:
-        """The maps of the chosen cells."""
+        """The maps of the chosen cells, those not ``finished`` made now."""
         with closing(worker_pool(bounds)) as pool:
             return make_maps(chosen, command, quick=quick, announce=announce, finished=finished, pool=pool)
 

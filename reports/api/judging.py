@@ -28,7 +28,7 @@ STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that
 
 
 def check_judgement(motion: Asked, limit: float) -> None:
-    """Raise LinkproofError for bad options of ``judge``, before any file is read."""
+    """Raise LinkproofError for a bad motion or limit of ``judge``, before any file is read."""
     check_motion(motion)
     if not 0.0 < limit < math.inf:
         raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {limit:g}")
@@ -37,9 +37,9 @@ def check_judgement(motion: Asked, limit: float) -> None:
 def judge_files(
     linkage: Linkage, files: Sequence[Path], motion: Asked, *, map: Sequence[str], limit: float, encoding: str
 ) -> ImportedJudgement:
-    """The judgement of a tool's results against the closed form of a linkage.
+    """The judgement of a tool's result files against the closed form of a linkage, by the options of ``judge``.
 
-    Raises LinkproofError for files that cannot be read.
+    Raises LinkproofError for files that cannot be read or judged.
     """
     model = linkage if motion.gravity else without(linkage, "gravity")
     imported = read_results(files, model, map, encoding)
@@ -56,7 +56,8 @@ def judge_files(
 def _stated_motion(options: Asked, linkage: Linkage, imported: ImportedResults) -> DriverMotion | None:
     """The driver's motion by the options: of a regime, at constant speed, or None if the files give it.
 
-    Raises LinkproofError for signals over φ under a speed that changes, since they do not say when.
+    It is steady too where all signals are over φ. Raises LinkproofError for signals over φ under a speed that changes,
+    since they do not say when, and for times after the motion's end.
     """
     over_angle = [signal.column.header for signal in imported.signals if signal.axis == "phi"]
     if not (options.regime or options.swings) and (

@@ -20,7 +20,10 @@ Moved = TypeVar("Moved", Motion, SteadyMotion)
 
 
 def linkage_file(given: LinkageLike) -> LinkageFile:
-    """The file of a linkage given by name, path or object; raises LinkproofError for one changed in Python."""
+    """The file of a linkage given by name, path, mapping or object; raises LinkproofError for one changed in Python.
+
+    And for anything else.
+    """
     if isinstance(given, Mapping):
         import tomlkit  # noqa: PLC0415 - files are read without it
 
@@ -40,7 +43,7 @@ def linkage_file(given: LinkageLike) -> LinkageFile:
 
 
 def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """The linkage in a variant, its own by default, without gravity if that is switched off."""
+    """The linkage in a variant, its own by default, without gravity if that is switched off; raises LinkproofError."""
     if isinstance(given, Linkage):
         result = given if variant is None else in_variant(given, variant)
     else:
