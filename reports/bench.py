@@ -58,7 +58,7 @@ LEAST_NOISE = 0.05
 
 
 def way_words(record: Row) -> str:
-    """The way to a point in words: method and, after "@", the steps per turn of its adapter or sweep."""
+    """The way to a point in words: method and, after "@", its steps per turn, if it has any."""
     return " @ ".join(filter(None, (method_words(record), per_turn(record))))
 
 
@@ -72,7 +72,7 @@ def method_words(record: Row) -> str:
 
 
 def effort_words(effort: float | None, unit: str) -> str:
-    """A solver's effort in words: "300 iterations"; for None, that it is the engine's own."""
+    """A solver's effort in words: "300 iterations"; for None that it is the engine's own, "" without a unit."""
     if effort is None:
         return f"the engine's own {unit}" if unit else ""
     return f"{unit} {bound(effort)}" if "tolerance" in unit else f"{effort:g} {unit}"
@@ -84,18 +84,21 @@ def per_turn(record: Row) -> str:
 
 
 def least_words(sweep: DataFrame) -> str:
-    """The least error of a sweep in words, with its steps per turn; called a floor if finer steps do not lower it."""
+    """The least error of a sweep in words, with its steps per turn; called a floor if finer steps do not lower it.
+
+    The error is over the peak.
+    """
     best = least(sweep)
     return f"{'floor' if has_floor(sweep) else 'least'} {error(best.error_max)} @ {per_turn(best)}"
 
 
 def noise_share(bench: Bench) -> float:
-    """The share by which two times of the same work may differ in this benchmark."""
+    """The share by which two times of the same work may differ in this benchmark, 5 % or more."""
     return max(LEAST_NOISE, bench.noise)
 
 
 def noise_note(bench: Bench) -> str:
-    """A note, in small print, on how the times were measured."""
+    """A sentence on how the times were measured."""
     return sentence("machine_noise", noise=bench.noise, repeats=bench.document["extent"]["repeats"])
 
 
@@ -105,7 +108,7 @@ def engine_label(name: str, is_control: bool) -> str:
 
 
 def label_of(points: DataFrame) -> str:
-    """The label of the one engine that all these rows are of."""
+    """The label of the one engine that all these rows are of; raises IndexError without rows."""
     first = points.iloc[0]
     return engine_label(first.engine, first.is_control)
 
@@ -117,12 +120,12 @@ def engine_labels(bench: Bench) -> dict[str, str]:
 
 
 def judged_by(regimes: Regimes) -> str:
-    """The quantities by which the places are judged, in words."""
+    """The quantities by which the places of these regimes are judged, in words, with "or"."""
     return " or ".join(dict.fromkeys(plain(foremost(place)) for places in regimes.values() for place in places))
 
 
 def failed_methods(points: DataFrame) -> tuple[str, ...]:
-    """Methods that never finished, by reason; then what the engine leaves out of the quantities."""
+    """Methods that never finished, by reason, as texts; then what the engine leaves out of the quantities."""
     done = points[points.finished]
     first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()
     names = grouped((f"{row.outcome}: {row.detail}", row.setting or row.engine) for row in first)
@@ -147,7 +150,10 @@ POINTS = ["mechanism", "regime", "engine", "setting", "runs", "effort", "step", 
 
 
 def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
-    """The printed benchmark: a block per mechanism, regime and requested, or else foremost, quantity."""
+    """The printed benchmark: a block per mechanism, regime and requested, or else foremost, quantity.
+
+    All points follow as details.
+    """
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in requested if name in quantities(place)] or [foremost(place)]:
@@ -158,7 +164,7 @@ def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
 
 
 def _place_printout(place: DataFrame, quantity: str) -> Iterator[Printed]:
-    """The block of one mechanism, regime and quantity: heading, tables, and what failed."""
+    """Yield the block of one mechanism, regime and quantity: heading, tables, and what failed."""
     where = place.iloc[0]
     is_measured = bool(quantities(place))
     what = f"{plain(quantity)}, largest error over the peak" if is_measured else "nothing finished"
@@ -190,7 +196,10 @@ def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str]
 
 
 def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple[TableCell | str, ...]:
-    """The row of a method: order, and least error, which may be a floor, with its step and time."""
+    """The row of a sweep's method: order, and least error, which may be a floor, with its step and time.
+
+    A note is what ``about`` has of the method.
+    """
     best = least(sweep)
     name = TableCell(method_words(best), note=about.get((best.engine, best.setting), ""))
     order = ABSENT if best.order is None else f"{best.order:.1f}"
@@ -198,7 +207,7 @@ def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple
 
 
 def _choice_rows(points: DataFrame) -> Iterator[tuple[str, ...]]:
-    """The rows of an engine's cheapest way to each error; errors that one point serves share a row."""
+    """Yield the rows of an engine's cheapest way to each wanted error; errors that one point serves share a row."""
     for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
         errors = [bound(error) for _, error in part]
         span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
@@ -214,7 +223,7 @@ WHERE = ["mechanism", "regime"]
 
 
 def drawn_error(record: Row) -> float:
-    """The largest error over the peak, raised or cut to the range that diagrams show."""
+    """The largest error over the peak, raised or cut to the range that diagrams show; the least for none."""
     return min(max(record.error_max or 0.0, LEAST), MOST)
 
 
@@ -236,7 +245,10 @@ def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
 def _verdict(
     regime: str, group: Sequence[DataFrame], ways: Sequence[Sequence[Sequence[Row | None]]], noise: float
 ) -> str:
-    """A sentence on the cheapest engines under a regime."""
+    """A sentence on the cheapest engines under a regime.
+
+    ``group`` has its places, ``ways`` the choices of every place and engine; times within a share ``noise`` are equal.
+    """
     wins = [(_error_words(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
     leaders = {winners[0][0] if len(winners) == 1 and winners[0][2] == len(ways) else "" for _, winners in wins}
     always = leaders.pop() if len(leaders) == 1 else ""
@@ -254,7 +266,8 @@ def _error_words(error: float) -> str:
 def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, int]]:
     """Each engine that is cheapest somewhere: name, its times, and in how many places; the most first.
 
-    ``places`` have the choices of every engine. All whose times are within the noise of the least are the cheapest.
+    ``places`` have the choices of every engine, of which the error is in a ``column``. All whose times are within the
+    noise of the least are the cheapest.
     """
     best = []
     for place in places:
@@ -290,7 +303,7 @@ def choices_section(regimes: Regimes, bench: Bench) -> Section:
 
 
 def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
-    """A row per regime and engine; neighbouring cells that are equal are joined."""
+    """Yield a row per regime and engine, a cell for each wanted error; neighbouring cells that are equal are joined."""
     for name, group in groups.items():
         by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
@@ -320,7 +333,10 @@ OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "
 
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
-    """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
+    """The diagram of all places; the first one's data are on the page, the others are loaded when they are chosen.
+
+    ``labels`` are the engines' by name.
+    """
     places = {anchor(*place[PLACE].iloc[0]): place for group in regimes.values() for place in group}
     known, (first, *others) = looks(labels, {name for name in labels if labels[name] != name}), places
     data = {
@@ -360,7 +376,7 @@ def _sweep_key(record: Row) -> tuple[object, ...]:
 
 
 def _shared_facts(record: Row) -> dict[str, Any]:
-    """The facts that all points of a sweep share, JSON-ready, with empty points."""
+    """The facts that all points of a sweep share, JSON-ready, with ``ends`` and ``points`` still empty."""
     return {
         **{name: getattr(record, name) for name in SHARED},
         "way": method_words(record),
@@ -378,7 +394,7 @@ def _point_as_dict(sweep: dict[str, Any], record: Row) -> dict[str, Any]:
 
 
 def _digits(value: object) -> object:
-    """A number rounded to four digits; any other value unchanged."""
+    """A float rounded to four digits; any other value unchanged."""
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
@@ -410,7 +426,7 @@ def cost(bench: Bench) -> tuple[Paragraph, ...]:
 
 
 def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
-    """Each reason for runs without a result, once, with the places where it occurred."""
+    """Each reason for runs without a result, once, with the places among ``every`` where it occurred."""
     groups = grouped(
         (f"{label_of(points)}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
         for place in every

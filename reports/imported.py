@@ -29,7 +29,7 @@ MOST_OTHERS = 4  # causes listed besides the likeliest
 
 
 def share(value: float) -> str:
-    """A ratio as text in per cent: 13 %, 0.0021 %."""
+    """A ratio as text in per cent, to two digits: 13 %, 0.0021 %; 0 % for rounding."""
     if value < NOTHING:
         return "0 %"
     digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
@@ -37,7 +37,10 @@ def share(value: float) -> str:
 
 
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
-    """The output of ``judge``; ``title`` names linkage and files."""
+    """The output of ``judge``: the verdict, causes, a table of signals and one of columns.
+
+    ``title`` names linkage and files.
+    """
     verdict, *others = sentences(judgement)
     over = _names_with(judgement, Verdict.OVER_LIMIT)
     style = "green" if judgement.passed else "red" if over else "yellow"
@@ -79,7 +82,7 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
-    """The verdict, why signals are open, the causes, what to accept and what was accepted."""
+    """The verdict, why signals are open, the causes, what to accept and what was accepted, a sentence each."""
     written = judgement.imported.written
     lines = [sentence(judgement), *_undecided_sentences(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
@@ -109,7 +112,7 @@ def _names_with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
 
 
 def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
-    """Sentences why signals are open; those with the same cure share one."""
+    """Sentences why signals are open; those with the same reason share one."""
     reasons = grouped(
         (verdict.detail, verdict.name) for verdict in judgement.verdicts if verdict.outcome is Verdict.UNDEFINED
     )
@@ -120,7 +123,7 @@ def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _unexplained_sentences(judgement: ImportedJudgement) -> Iterator[str]:
-    """Sentences on signals whose difference is noise, and on those that no cause explains."""
+    """Yield sentences on signals whose difference is noise, and on those that no cause explains."""
     names = judgement.explanation.unexplained
     noisy = {verdict.name: verdict for verdict in judgement.verdicts if verdict.name in names and verdict.is_noise}
     for name, verdict in noisy.items():
@@ -159,7 +162,7 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
 
 
 def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]]:
-    """A row for every column: header and place, signal or "not judged", unit, and the reason."""
+    """Yield a row for every column: header and place, signal or "not judged", unit, and the reason."""
     every = {row[1].header: row for row in reversed(judgement.imported.read)}  # a time beside every curve once
     for name, column, _, assumption in reversed(every.values()):
         yield f"'{column.header}' ({column.place})", name, column.unit, assumption
@@ -168,7 +171,7 @@ def _columns(judgement: ImportedJudgement) -> Iterator[tuple[str, str, str, str]
 
 
 def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
-    """Notes below the table, on signals near zero, samples at jumps, and peaks between samples."""
+    """Yield notes below the table, on signals near zero, samples at jumps, and peaks between samples."""
     if any(verdict.near_zero for verdict in judgement.verdicts):
         yield f"* near zero: judged over {share(NEAR_ZERO)} of the typical size of its kind in this linkage"
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
@@ -179,7 +182,7 @@ def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
 
 
 def _remaining_error(finding: FaultFinding) -> str:
-    """The sentence on how much of the difference a cause leaves."""
+    """The sentence on how much of the difference a cause leaves, and whether rounding hides which it is."""
     apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
@@ -191,7 +194,7 @@ def _remaining_error(finding: FaultFinding) -> str:
 
 
 def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentence: str) -> dict[str, Any]:
-    """The judgement as JSON-ready data."""
+    """The judgement as JSON-ready data, SI, angles in rad; ``run`` is the judgement as a run."""
     return {
         "command": command,
         "conditions": run.conditions,
@@ -214,7 +217,7 @@ def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentenc
 
 
 def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
-    """The judgement as a run whose engine is the files; each error's detail names its likeliest cause."""
+    """The judgement as a run whose engine is called ``files``; each error's detail names its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
     run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", IMPORTED, runs=1)
@@ -260,7 +263,7 @@ def _finding_as_dict(finding: FaultFinding) -> dict[str, Any]:
 
 
 def _cause_as_dict(kind: str, words: str) -> dict[str, str]:
-    """A cause as JSON-ready data."""
+    """A cause as JSON-ready data: its ``kind`` and words."""
     return {"kind": kind, "words": words}
 
 
@@ -271,10 +274,10 @@ HEIGHT: Final = 4.4  # inches: of the two panels of a curve
 
 
 def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
-    """A figure of the worst curves side by side, each above its difference from the closed form, worst places marked.
+    """A figure of the three worst curves side by side, each above its difference from the closed form.
 
-    They are curves of signals over the limit, or of all if none is over it. Those without the likeliest cause are
-    dashed. ``title`` names linkage and files.
+    They are curves of signals over the limit or undecided, or of all if there are none; their worst places are marked.
+    Those without the likeliest cause are dashed. ``title`` names linkage and files.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 

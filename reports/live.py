@@ -55,7 +55,8 @@ class FileTemplate:
 def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     """The linkage file as templates: as it is, if its own values are meant, and with the variant's numbers written out.
 
-    A number that the first one lacks, as its file leaves it out or has it in another form, is in the second one.
+    ``names`` are those of the numbers in them. A number that the first one lacks, as its file leaves it out or has it
+    in another form, is in the second one, which there is if the file can be written so.
     """
     text, name, names = linkage.text, linkage.name, tuple(names)
     own_variant = loading.document(text, name, name)[0].get("variant", "base")
@@ -66,7 +67,7 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
 
 
 def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) -> FileTemplate:
-    """The text of a file with the places, and the written form, of these numbers in it."""
+    """The text of a file as a template of these numbers, whose ``places`` are given; those it lacks are left out."""
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
 
@@ -90,7 +91,7 @@ def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) 
 
 
 def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
-    """The effects of pulling at each point, by the point: one for every "body" that carries it.
+    """The effects of pulling at each point, by the point: one for every "body" that carries it, JSON-ready.
 
     The "way" is "place", which moves the point in the body's frame, "length", its distance from the point "about"
     there, or "crank", that distance while the crank turns with it. A point by which a group hangs on placed links
@@ -100,7 +101,7 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
     groups = {point: [{"body": GROUND, "way": "place", "about": ""}] for point in linkage.ground}
 
     def add_pull(point: str, body: str, way: Literal["place", "length", "crank"], about: str = "") -> None:
-        """Note an effect of pulling at a point, unless the point is on the ground."""
+        """Add an effect of pulling at a point to ``groups``, unless the point is on the ground."""
         if point not in linkage.ground:
             groups.setdefault(point, []).append({"body": body, "way": way, "about": about})
 
@@ -137,7 +138,7 @@ def model_of(sheet: Sheet) -> Model | str:
 def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> Widget:
     """The widget with the drawing and curves of a sheet; ``instead`` is shown where no script runs.
 
-    Without a model it holds samples of the motion, and nothing on it can be changed.
+    Without a model, but a reason, it holds samples of the motion, and nothing on it can be changed.
     """
     label = f"{sheet.linkage.title or sheet.name} in motion"
     if isinstance(model, str):
@@ -154,7 +155,7 @@ MOST_NUMBERS: Final = 200_000  # of all its results
 
 
 def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
-    """The data of a widget without formulas: no numbers, a motion, and the names of the sampled results."""
+    """The data of a widget without formulas, JSON-ready: no numbers, a motion, and the names of the results."""
     time, linkage = sheet.values["time"], sheet.linkage
     length = sheet.file_unit_of("m")
     return {
@@ -176,7 +177,7 @@ def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, Any]]:
-    """The names of the sampled results, and their packed values at instants evenly spaced in time.
+    """The names of sampled arrows, and the packed values of φ, results and arrows at instants evenly spaced in time.
 
     Poses follow from φ.
     """
@@ -212,7 +213,7 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, A
 
 
 def _pair(name: str, values: Array) -> dict[str, Array]:
-    """The components of a vector by name, ``name:x`` and ``name:y``."""
+    """The components of a vector (2, n) by name, ``name:x`` and ``name:y``."""
     return {f"{name}:{axis}": value for axis, value in zip("xy", values, strict=True)}
 
 
@@ -276,13 +277,13 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
 
 
 def _load_labels(linkage: Linkage) -> Iterator[str]:
-    """The labels of all forces, then of all torques."""
+    """Yield the labels of all forces, then of all torques."""
     yield from (f"force on {force.point}" for force in linkage.forces)
     yield from (f"torque on {torque.link}" for torque in linkage.torques)
 
 
 def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
-    """The row of a number that the file lacks but the page offers: a load's factor, or the speed."""
+    """The row of a number that the file lacks but the page offers: a load's factor, or the speed; JSON-ready."""
     row = {"name": name, "group": "motion and loads", "label": label, "value": value, "si": value, "unit": unit}
     return {**row, "size": 1.0, "role": role, "load": None, "offered": True}
 
@@ -321,7 +322,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
-    """Name, point and loaded link of every joint, for the arrows of forces."""
+    """Yield name, point and loaded link of every joint, for the arrows of forces."""
     for pin in linkage.pins:
         yield from ({"name": joint, "point": pin.point, "on": link} for joint, link in pin.joints.items())
     for slider in linkage.sliders:
@@ -351,7 +352,7 @@ class Model:
 
 
 def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
-    """The Model of a linkage under a motion, or the reason in words why it has none."""
+    """The Model of a linkage under a motion, or the reason in words why it has none; no motion is a released crank."""
     if mechanism.is_numerical:
         return "one of its groups has no formula and is solved by Newton's method"
     if not is_traceable(mechanism):
@@ -400,7 +401,7 @@ def loads(linkage: Linkage) -> list[Law]:
 
 
 def load_of(number: Number, linkage: Linkage) -> int | None:
-    """The index, among ``loads``, of the load that a number belongs to; None for any other number."""
+    """The index, among ``loads``, of the load that a number of the linkage belongs to; None for any other number."""
     kind, index, *_ = number.path
     if kind not in ("forces", "torques") or not isinstance(index, int):
         return None
@@ -414,7 +415,7 @@ def is_of_table(number: Number, linkage: Linkage) -> bool:
 
 
 def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
-    """The list of operations of the page's signals; the numbers that a page changes are its inputs."""
+    """The list of operations of the page's signals; the numbers that a page may change are its inputs."""
     every = named_numbers(mechanism.linkage).items()
     free = {
         name for name, number in every
@@ -425,7 +426,7 @@ def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
 
 
 def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
-    """A load over φ for the page: knots, cubics, period and corners, and its number among the loads."""
+    """A load's law for the page: knots, cubics, period, 0 without one, corners, and its number among the loads."""
     knots, pieces = law.pieces()
     load = [curve is law for curve in loads(mechanism.linkage)].index(True)
     return {"knots": knots, "pieces": pieces, "period": law.period or 0, "corners": law.corners, "load": load}
@@ -450,12 +451,12 @@ def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str
 
 
 def _open_places(mechanism: Mechanism, motion: CrankMotion) -> list[float]:
-    """The ends, φ in rad or m, of a motion that lie beside a dead position."""
+    """The ends, φ in rad or m, of a motion that lie beside a dead position; [] without any."""
     first, last = (float(motion.angle(np.array([time]))[0]) for time in (0.0, motion.duration))
     return [end.place for end in open_ends(mechanism, first, last)]
 
 
 def _result_data(name: str, mechanism: Mechanism) -> dict[str, Any]:
-    """A signal for the page: its name, its unit in the file, and the unit's size, SI."""
+    """A signal for the page: its name, its unit in the file, and the unit's size, SI; JSON-ready."""
     unit = file_unit(signals.unit(name, mechanism.linkage), mechanism.linkage)
     return {"name": name, "unit": unit.on_page, "size": unit.size}

@@ -178,7 +178,7 @@ class Sheet:
         }
 
         def cleaned(figure: SignalFigure) -> SignalFigure:
-            """A key figure with 0, or without a direction or a place, where its signal is only rounding."""
+            """A copy of a key figure with 0, or without a direction or a place, where its signal is only rounding."""
             if figure.signal.endswith(DIRECTION):
                 no_force = figure.signal.replace(DIRECTION, MAGNITUDE) in idle
                 return replace(figure, value=None, time=None, phi=None) if no_force else figure

@@ -78,14 +78,17 @@ class DesignSpace:
         return math.prod(self.shape)
 
     def file_values(self, first: int, last: int) -> Array:
-        """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
+        """Values of the designs numbered from ``first`` to below ``last``, in the file's units.
+
+        They are (parameters, designs).
+        """
         if self.is_list:
             return np.stack([values[first:last] for values in self.columns])
         places = np.unravel_index(np.arange(first, last), self.shape)
         return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
 
     def block(self, first: int, last: int) -> dict[str, Array]:
-        """SI values (designs,) of the designs from number ``first`` to before ``last``, by parameter."""
+        """SI values (designs,) of the designs numbered from ``first`` to below ``last``, by parameter."""
         values = self.file_values(first, last)
         return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
@@ -273,7 +276,10 @@ class SweepStudy:
 
     @property
     def reach(self) -> Array:
-        """Least and largest value of each parameter among the designs that assemble, (parameters, 2)."""
+        """Least and largest value of each parameter among the designs that assemble, in the file's units.
+
+        They are (parameters, 2); it raises ValueError if none assembles.
+        """
         shown = self.request.space.file_values(0, len(self.assembles))[:, self.assembles]
         return np.stack([np.min(shown, axis=1), np.max(shown, axis=1)], axis=1)
 

@@ -64,7 +64,7 @@ def requested_motions(options: Asked, linkages: Sequence[Linkage]) -> RequestedM
 def requested_motion(options: Asked, mechanism: Mechanism) -> DriverMotion | None:
     """The one motion that is requested; None if the options name none.
 
-    Raises LinkproofError for a motion that is impossible or unknown, and for several.
+    A released one is integrated. Raises LinkproofError for a motion that is impossible or unknown, and for several.
     """
     case = _named_case(options, mechanism)
     return None if case is None else case.motion
@@ -73,7 +73,8 @@ def requested_motion(options: Asked, mechanism: Mechanism) -> DriverMotion | Non
 def requested_case(options: Asked, mechanism: Mechanism) -> Case:
     """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank.
 
-    Raises LinkproofError for a motion that is impossible or unknown, and for several.
+    At speed 0 it stands still at those places. Raises LinkproofError for a motion that is impossible or unknown, and
+    for several.
     """
     if options.speed == 0.0:
         moving = requested_case(replace(options, speed=math.copysign(1.0, options.speed)), mechanism)
@@ -97,7 +98,10 @@ class RequestedResults(NamedTuple):
 def requested_results(
     linkage: Linkage, options: Asked, at: Numbers | None = None, time: Numbers | None = None
 ) -> RequestedResults:
-    """The motion and the instants of a request; raises LinkproofError for impossible ones."""
+    """The motion and the instants of a request, ``at`` degrees, or the file's unit of travel, or at times, s.
+
+    Raises LinkproofError for impossible ones, and for both.
+    """
     if at is not None and time is not None:
         raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
     case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
@@ -108,7 +112,10 @@ def requested_results(
 
 
 def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
-    """The case of the one motion that the options name; None if they name none, LinkproofError for several."""
+    """The case of the one motion that the options name; None if they name none.
+
+    Raises LinkproofError for several, and for one that is impossible or unknown.
+    """
     check_motion(options)
     linkage = mechanism.linkage
     regimes = _own_regimes(options, [linkage])
@@ -143,7 +150,7 @@ def _default_case(options: Asked, mechanism: Mechanism) -> Case:
 
 
 def offered_regimes(options: Asked) -> tuple[str, ...]:
-    """Names of the regimes that these options allow for every linkage."""
+    """Names of the regimes, of a swing or of a crank that turns on, that these options allow for every linkage."""
     return tuple(LAWS) if options.swings else REGIMES
 
 
@@ -203,14 +210,17 @@ def _check_swing(options: Asked) -> None:
 
 
 def _check_number(option: str, value: float, unit: str, least: float) -> None:
-    """Raise LinkproofError for an option's value that is not finite or is below ``least``."""
+    """Raise LinkproofError for an option's value that is not finite, beyond all bounds or below ``least``.
+
+    ``unit`` is for the message.
+    """
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
         raise LinkproofError(f"{option}: expected a {kind} number of {unit}, got {value:g}; correct it")
 
 
 def _motions(options: Asked) -> tuple[CrankMotion, ...]:
-    """The requested prescribed motions, without regimes that the linkages define."""
+    """The requested prescribed motions of a crank, without regimes that the linkages define; () without any."""
     known = offered_regimes(options)
     usual = SWINGING if options.swings else TURNING
     names = known if EVERYTHING in options.regime else options.regime or (usual,)
@@ -235,7 +245,7 @@ def _motion(options: Asked, name: str) -> CrankMotion:
 def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
     """The requested prescribed motions, without regimes that linkages define, and their conditions in words.
 
-    Raises LinkproofError for a motion that does not suit a linear drive.
+    Raises LinkproofError for a motion that does not suit a linear drive, or is one of several linkages.
     """
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
@@ -265,7 +275,10 @@ def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tu
 
 
 def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
-    """Travels, m, at which a linear drive's motion begins and ends."""
+    """Travels, m, at which a linear drive's motion begins and ends.
+
+    By default those of its range, short of its limits.
+    """
     if options.from_angle is not None and options.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
         return options.from_angle * size, options.to_angle * size
@@ -273,7 +286,10 @@ def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
 
 
 def _own_regimes(options: Asked, linkages: Sequence[Linkage]) -> tuple[str, ...]:
-    """Names of the requested regimes that linkages define themselves; "own" and "all" request all of them."""
+    """Names of the requested regimes that linkages define themselves, sorted; "own" and "all" request all of them.
+
+    Raises UnknownNameError for an unknown regime, LinkproofError for one together with a swing.
+    """
     regimes = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
     known = [*offered_regimes(options), *regimes, OWN, EVERYTHING]
     for name in options.regime:

@@ -93,13 +93,13 @@ class DeclaredOption(NamedTuple):
 
 
 def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The options and arguments of a function, those of its dataclasses last; or those of a dataclass; in order."""
+    """The options and arguments of a function, those of its dataclasses last, or of a dataclass; in their order."""
     return _declared_options(source)
 
 
 @cache
 def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The annotated parameters of a function and fields of dataclasses as options."""
+    """The same, cached by function or dataclass."""
     if is_dataclass(source):
         hints = get_type_hints(source, include_extras=True)
         annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
@@ -117,7 +117,10 @@ def option_groups(function: Callable[..., Any]) -> dict[str, type]:
 
 
 def arguments(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of a call, from the value of every option by its field's name."""
+    """The arguments of a call by name, from the value of every option by its field's name, each in its one form.
+
+    Raises LinkproofError for a value of another type.
+    """
     given: dict[str, dict[str, Any]] = {"": {}}
     for option in declared_options(function):
         given.setdefault(option.group, {})[option.field.name] = option_value(option, values[option.field.name])
@@ -125,7 +128,10 @@ def arguments(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[s
 
 
 def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
-    """The type of a tuple's or sequence's members, Path if that is one of several; None for another type."""
+    """The type of a tuple's or sequence's members, Path if that is one of several; None for another type.
+
+    One within a union counts.
+    """
     kinds = (kind, *get_args(kind))
     member = next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
     return Path if Path in get_args(member) else member
@@ -137,13 +143,16 @@ UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", 
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """Check every annotated argument of a call, and give the function one form: names in tuples, paths as paths."""
+    """The function, made to check each annotated argument of a call, and to give each its one form: names in tuples.
+
+    Paths become Path. The function raises LinkproofError for an argument of another type.
+    """
     signature, groups = inspect.signature(function), option_groups(function)
     options = {option.field.name: option for option in declared_options(function) if not option.group}
 
     @wraps(function)
     def called(*args: P.args, **words: P.kwargs) -> R:
-        """The function, called with its arguments checked and in their one form."""
+        """Call the function with its arguments checked and in their one form; raises LinkproofError."""
         bound = signature.bind(*args, **words)
         for name, given in bound.arguments.items():
             if name in options:
@@ -157,7 +166,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PLR0911 - of any option, a type each
-    """The value of an option in its one form; raises LinkproofError for a value of another type."""
+    """The value of an option in its one form; raises LinkproofError for a value of another type.
+
+    None is the default where it is allowed.
+    """
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
     several = member_type(option.kind)
     if option.kind is Any:
@@ -180,7 +192,7 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
 
 
 def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
-    """One value, or several, as a tuple."""
+    """One value, or several, as a tuple; a text, path or mapping is one."""
     is_one = isinstance(given, str | Path | Mapping) or not isinstance(given, Iterable)
     return (given,) if is_one else tuple(given)
 
@@ -193,7 +205,7 @@ def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: 
 
 
 def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
-    """A number; raises LinkproofError for anything else."""
+    """A number, whole where the option is, unchanged; raises LinkproofError for anything else."""
     is_whole = int in (option.kind, *get_args(option.kind))
     if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
         what = "a whole number" if is_whole else "a number"
@@ -223,15 +235,18 @@ def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
 
 
 def command_line(function: Callable[..., Any], given: Mapping[str, Any], without: Sequence[str] = ()) -> str:
-    """The command that repeats a call, as text: arguments, options with values, flags.
+    """The command that repeats a call, as text: arguments, options with values, flags; defaults are left out.
 
-    ``given`` are the arguments of the function by name; groups and options ``without`` are left out.
+    ``given`` are the arguments of the function by name; groups and options ``without`` are left out, too.
     """
     return shlex.join(["linkproof", function.__name__, *option_words(function, changed(function, given, without))])
 
 
 def option_words(source: Any, values: Mapping[str, Any]) -> list[str]:  # noqa: ANN401 - a dataclass or a function
-    """Options' ``values``, by the names of their fields, as words of a command."""
+    """Options' ``values``, by the names of their fields, as words of a command.
+
+    Flags are those whose value is a bool.
+    """
     words: tuple[list[str], list[str], list[str]] = ([], [], [])  # arguments, options with values, flags
     for option in declared_options(source):
         value = values.get(option.field.name)
@@ -259,21 +274,24 @@ def changed(source: Any, given: Mapping[str, Any], without: Sequence[str] = ()) 
 
 
 def with_values(function: Callable[..., Any], given: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of a call, ``given`` by name, with other ``values`` of some options, by their fields' names."""
+    """The arguments of a call, ``given`` by name, with other ``values`` of some options, by their fields' names.
+
+    A new dict.
+    """
     every = {option.field.name: value for option, value in _options_with_values(function, given)}
     arguments_given = {name: given[name] for name in inspect.signature(function).parameters}
     return arguments_given | arguments(function, {**every, **values})
 
 
 def _options_with_values(source: Any, given: Mapping[str, Any]) -> Iterator[tuple[DeclaredOption, Any]]:  # noqa: ANN401
-    """Each option of a function or a dataclass, with its value."""
+    """Yield each option of a function or a dataclass, with its value among the ``given``."""
     for option in declared_options(source):
         holder = vars(given[option.group]) if option.group else given
         yield option, holder[option.field.name]
 
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
-    """An option's value as words of a command."""
+    """An option's value as words of a command, one for each member; () for None."""
     if isinstance(value, Mapping):
         return tuple(range_word(*pair) for pair in value.items())
     typed = tuple(map(typed_word, _values_of(value)))
@@ -290,7 +308,7 @@ def range_word(name: str, values: Any) -> str:  # noqa: ANN401 - of a mapping of
 
 
 def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
-    """The members of a tuple, or a single value as the only member; nothing for None."""
+    """The members of a tuple, or a single value as the only member; () for None."""
     return value if isinstance(value, tuple) else () if value is None else (value,)
 
 
@@ -355,7 +373,7 @@ class Checked:
     """Options each of which takes its one form; raises LinkproofError for a value of another type."""
 
     def __post_init__(self) -> None:
-        """Check every option and give it its one form; raises LinkproofError for a wrong value."""
+        """Give every option its one form; raises LinkproofError for a value of another type."""
         for option in declared_options(type(self)):
             name = option.field.name
             object.__setattr__(self, name, option_value(option, getattr(self, name)))
@@ -392,7 +410,7 @@ class Motion(Checked):
 
     @property
     def rpm(self) -> float:
-        """The speed, rpm, negative if clockwise."""
+        """The speed, rpm, negative if clockwise; 1000 if none is given."""
         return USUAL_SPEED if self.speed is None else self.speed
 
     @property
@@ -402,12 +420,12 @@ class Motion(Checked):
 
     @property
     def is_timed(self) -> bool:
-        """Whether the time of a motion was given."""
+        """Whether the time of a motion differs from the usual one."""
         return (self.ramp_time, self.hold_time) != (Motion.ramp_time, Motion.hold_time)
 
     @property
     def swings(self) -> bool:
-        """Whether the crank goes from one angle to another."""
+        """Whether the crank goes from one angle to another: one end at least is given."""
         return self.from_angle is not None or self.to_angle is not None
 
     @property

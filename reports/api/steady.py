@@ -38,7 +38,8 @@ def steady_case(
 ) -> SteadyCase:
     """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
 
-    Raises LinkproofError for bad input.
+    ``scale_mass`` scales masses with lengths, ``refine`` is for the conditions in words. Raises LinkproofError for bad
+    input.
     """
     linkage = replace(linkage, scales_mass=scale_mass)
     mechanism = Mechanism(linkage if options.gravity else without(linkage, "gravity"))
@@ -57,7 +58,10 @@ def steady_case(
 
 
 def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str], *, refine: bool) -> SweepRequest:
-    """The figures of a space of designs; raises LinkproofError for unknown names and more values than memory holds."""
+    """The figures of a space of designs, the usual ones if no ``quantity`` is named.
+
+    Raises LinkproofError for unknown names, no figure at all and more values than memory holds.
+    """
     linkage = case.linkage
     figures = named_figures(case.mechanism, quantity) if quantity else usual_figures(case.mechanism)
     if not figures:
@@ -74,7 +78,10 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
 def aim_and_ranges(
     minimise: str | None, maximise: str | None, over: Ranges, keep: Ranges
 ) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The figure to optimise, numbers with bounds and figures to hold, as typed; raises LinkproofError unless one."""
+    """The figure to optimise, numbers with bounds and figures to hold, as texts.
+
+    Raises LinkproofError unless exactly one of ``minimise`` and ``maximise`` is given.
+    """
     if (minimise is None) == (maximise is None):
         got = "neither" if minimise is None else "both"
         raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")
@@ -86,7 +93,7 @@ def aim_and_ranges(
 
 
 def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
-    """The options with which ``compare`` checks the best design under the same motion."""
+    """The options, as words, with which ``compare`` checks the best design under the same motion."""
     same = replace(motion.motion, variant=None)
     if SPEED in best.after:
         unit = best.problem.case.linkage.phi.speed_unit

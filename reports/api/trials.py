@@ -263,8 +263,9 @@ def stress(
 def own_study(function: Callable[..., Any], given: Mapping[str, Any], study: str) -> Any:  # noqa: ANN401 - of each its own
     """The study that is in the folder ``out``, finished if it was not; None where another one is asked for.
 
-    ``given`` are the arguments of the call, ``study`` is the class. The folder is only read if nothing else is given
-    that affects the results. Raises LinkproofError for a damaged one.
+    ``given`` are the arguments of the ``function``'s call, ``study`` is the class's name. The folder is only read if
+    nothing else is given that affects the results; an unfinished study of the function is made by calling it. Raises
+    LinkproofError for a damaged one.
     """
     folder, name = given["out"], function.__name__
     if folder is None or changed(function, given):
@@ -286,7 +287,10 @@ def own_study(function: Callable[..., Any], given: Mapping[str, Any], study: str
 
 
 def start_workers(module: str) -> None:
-    """Start the process that forks workers, which imports a module while this process imports the rest."""
+    """Start the process that forks workers and imports a module, while this process imports the rest.
+
+    Nothing is done where there are no worker processes.
+    """
     from comparisons.trials.runs.workers import most_processes
 
     if most_processes():

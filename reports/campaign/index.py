@@ -83,12 +83,12 @@ class EngineRecords:
 
     @property
     def worst(self) -> Error | None:
-        """The record with the largest error over its limit; None if no record has an error."""
+        """The judged record with the largest error over its limit; None if none has an error."""
         return max((r for r in self.judged if r.error_max is not None), key=share, default=None)
 
     @property
     def error(self) -> float | None:
-        """The largest error over the peak; None if no record has an error."""
+        """The largest error over the peak of the judged records; None if none has an error."""
         return max((r.error_max for r in self.judged if r.error_max is not None), default=None)
 
     @property
@@ -102,7 +102,10 @@ class EngineRecords:
         return next((record.detail for record in self.records if record.detail), "")
 
     def style(self, *, is_idle: bool) -> str:
-        """The style class of a cell: by the verdict, or muted for an error at a setting that decides nothing."""
+        """The style class of a cell: by the verdict, or muted for an error if ``is_idle``.
+
+        An idle setting decides nothing.
+        """
         if self.error is None:
             return "failed" if self.failed else "absent"
         return "muted" if is_idle else "over" if self.failed else "pass"
@@ -166,7 +169,10 @@ class EngineRanking:
         return {name: cell for name, cell in cells.items() if cell.judged}
 
     def most_accurate(self, setting: str, family_name: str) -> str:
-        """The engine with the least maximum error in a family, of those that never failed; empty without rivals."""
+        """The engine with the least maximum error in a family, of those that never failed; "" without rivals.
+
+        Controls are no rivals.
+        """
         cells = {
             engine: self.cell(engine, setting, family_name) for engine in self.engines if engine not in self.controls
         }
@@ -174,7 +180,7 @@ class EngineRanking:
         return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
     def seconds(self, engine: str, setting: str) -> float | None:
-        """Set-up and stepping of a run, s, as the shifted geometric mean of all runs; None without runs."""
+        """Set-up and stepping of a run, s, as the shifted geometric mean of all that made steps; None without."""
         runs = [run.setup_seconds + run.seconds for run in self.runs(engine, setting) if run.steps]
         return statistics.geometric_mean(time + SHIFT for time in runs) - SHIFT if runs else None
 
@@ -203,13 +209,13 @@ class EngineRanking:
 
 
 def ratio(record: Error) -> str:
-    """An error divided by its limit as text."""
+    """An error divided by its limit as text; below a thousandth only that."""
     value = share(record)
     return "< 0.001" if value < 1e-3 else numbers.figure(value, 2)
 
 
 def verdict(trust: EngineRanking) -> tuple[str, ...]:
-    """Sentences on changes, on the engines to trust, and on the naive settings.
+    """Sentences on changes, on the engines to trust, and on the naive settings; those without occasion are left out.
 
     Nobody is to be trusted where the campaign has not passed. The quickest is not named: a campaign times each run
     once, which cannot tell times from noise; a benchmark can.
@@ -226,7 +232,7 @@ def verdict(trust: EngineRanking) -> tuple[str, ...]:
 
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
-    """Sentences on the engines to trust in all families, in some, and in none."""
+    """Sentences, as one text, on the engines to trust in all families, in some, and in none, at a setting."""
     judged = {name: trust.row(name, setting) for name in engines}
     wrong = {name: [f for f, cell in cells.items() if cell.failed] for name, cells in judged.items()}
     lacking = {name: [f for f in trust.families if f not in judged[name]] for name in engines}
@@ -282,7 +288,7 @@ def _engines_by_families(families: Mapping[str, Sequence[str]]) -> list[tuple[Na
 
 
 def listed(words: Iterable[str]) -> str:
-    """Words joined for a sentence: "a, b and c"."""
+    """Words joined for a sentence: "a, b and c"; "" for none."""
     *first, last = [*words] or [""]
     return f"{', '.join(first)} and {last}" if first else last
 
@@ -294,7 +300,7 @@ FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke
 
 
 def card(sheet: Sheet) -> Card:
-    """The card of a mechanism with a link to its page."""
+    """The card of a sheet's mechanism with a link to its page: scheme, if it has positions, and key figures."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     facts = Facts(tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES))
@@ -329,7 +335,10 @@ def index(
     studies: tuple[Words, ...] = (),
     cost: tuple[Paragraph, ...] = (),
 ) -> Page:
-    """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``."""
+    """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``.
+
+    What there is not is left out.
+    """
     trust = EngineRanking(results) if results is not None and results.records else None
     cards = Cards(tuple(map(card, sheets)))
     return Page(
@@ -348,7 +357,10 @@ def index(
 
 
 def _verdict(trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterator[Part]:
-    """The parts on the verdict on the engines, with its picture."""
+    """Yield the parts on the verdict on the engines, with its picture, and the ``cost``.
+
+    Only the cost without records.
+    """
     first, *others = (verdict(trust) if trust else ()) or ("",)
     if first:
         yield Paragraph(first, "verdict")
@@ -367,7 +379,10 @@ def _engines_section(trust: EngineRanking) -> Section:
 
 
 def picture(trust: EngineRanking) -> Widget:
-    """A widget of error against time, with a dot for every engine and setting; the family is chosen in it."""
+    """A widget of error against time, with a dot for every engine and setting; the family is chosen in it.
+
+    Released cranks and checks are left out.
+    """
     names = sorted((name for name in trust.families if name not in (RELEASED, CHECKS)), key=FIRST_SHOWN.__ne__)
     figures = [{"name": name, "data": list(_traces(trust, name)), "layout": LAYOUT} for name in names]
     words = sentence("index_picture", settings=[(n, LOOKS[n]) for n in trust.settings if n in LOOKS])
@@ -376,7 +391,7 @@ def picture(trust: EngineRanking) -> Widget:
 
 
 def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
-    """The dots of every engine for the picture, each with the address of its worst curve, JSON-ready."""
+    """Yield the dots of every engine in the family ``name``, each with the address of its worst curve, JSON-ready."""
     for engine, look in looks(trust.engines, trust.controls).items():
         cells = {setting: trust.cell(engine, setting, name) for setting in trust.settings}
         known = {setting: cell for setting, cell in cells.items() if cell.error is not None and cell.worst is not None}
@@ -416,7 +431,7 @@ def leads_to(trust: EngineRanking, record: Error | None) -> str:
 
 
 def settings_table(trust: EngineRanking) -> Table:
-    """The table of engines and settings: share within limits, largest use of a limit, and time."""
+    """The table of engines and settings: share within limits, largest use of a limit, and time of a run."""
     rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
         row: list[TableCell | str] = [engine]
@@ -435,7 +450,10 @@ def settings_table(trust: EngineRanking) -> Table:
 
 
 def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, ...]:
-    """Three cells: how many deviations from the closed form are within limits, the worst one, and the time of a run."""
+    """Three cells: how many deviations from the closed form are within limits, the worst one, and the time of a run.
+
+    One cell, with the reason, without any.
+    """
     cells = trust.cells.get((engine, setting), {})
     own = EngineRecords(tuple(record for name, cell in cells.items() if name != CHECKS for record in cell.records))
     style = own.style(is_idle=trust.is_idle(setting))
@@ -453,7 +471,10 @@ def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tu
 
 
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
-    """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve."""
+    """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve.
+
+    The naive setting is there only alone.
+    """
     rows: list[tuple[TableCell | str, ...]] = [
         (engine, setting, *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families))
         for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings
@@ -502,7 +523,7 @@ def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> Section:
 
 
 def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
-    """Name and value of everything that decides a figure or a time of the report."""
+    """Name and value, in words, of everything that decides a figure or a time of the report."""
     engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
     versions = ", ".join(f"{name} {engines[name] or 'not installed'}" for name in sorted(engines))

@@ -40,7 +40,10 @@ def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
 
 
 def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element:
-    """A record as JUnit's test case: passed, failed, in error or skipped."""
+    """A record as JUnit's test case: passed, failed, in error or skipped.
+
+    One over its limit is skipped where its setting is not among the ``decisive`` ones.
+    """
     case = _test_case("/".join(record.run), record.quantity)
     verdict, decides = Verdict(record.outcome), record.setting in decisive
     if verdict is Verdict.PASSED:
@@ -55,7 +58,7 @@ def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element
 
 
 def _number_lines(record: Error) -> Iterator[str]:
-    """The record's error and its limit, a line each, where it has them."""
+    """Yield the record's error and its limit, a line each, where it has them."""
     if record.error_max is not None:
         yield f"error {record.error_max:.3e} of the peak, {record.peak or 0.0:.6g} {record.unit}".rstrip()
     if record.limit is not None:
@@ -78,7 +81,7 @@ def _test_case(place: str, name: str) -> ElementTree.Element:
 
 
 def _outcome_counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
-    """The numbers of tests, failures, errors and skipped tests, as JUnit's attributes."""
+    """The numbers of tests, failures, errors and skipped tests among cases, as JUnit's attributes by name."""
     kinds = {"failures": "failure", "errors": "error", "skipped": "skipped"}
     counts = {name: sum(case.find(tag) is not None for case in cases) for name, tag in kinds.items()}
     return {"tests": str(len(cases)), **{name: str(count) for name, count in counts.items()}}

@@ -40,5 +40,5 @@ def markdown(results: CampaignResults) -> str:
 
 
 def _section_with_parts(heading: str, parts: Sequence[Part]) -> tuple[Section, ...]:
-    """The section as the only member of a tuple; an empty tuple without parts."""
+    """The section of this heading as the only member of a tuple; () without parts."""
     return (Section("", heading, tuple(parts)),) if parts else ()

@@ -37,7 +37,8 @@ def printout(
 ) -> Printout:
     """The printed comparison: one table per mechanism and regime, quantities down, runs across; then the changes.
 
-    ``runs`` are gone through again for each part of it. ``environment`` says how many ran at a time.
+    ``runs`` are gone through again for each part of it. ``environment`` says how many ran at a time. Reasons, advice
+    and counts close it.
     """
     closing = [
         *appeared_note(changes),
@@ -50,7 +51,10 @@ def printout(
 
 
 def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
-    """The table of each mechanism and regime, then what has changed."""
+    """Yield the tables of each mechanism and regime, a few runs each, then of what has changed.
+
+    ``while_others`` notes how many ran at a time.
+    """
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         for start in range(0, len(together), ACROSS):
@@ -64,7 +68,7 @@ def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_o
 
 
 def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
-    """A table of every record with all its numbers, for each mechanism and regime."""
+    """Yield a table of every record with all its numbers, for each mechanism and regime."""
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
         yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
@@ -72,13 +76,16 @@ def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
 
 
 def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
-    """The runs of each mechanism and regime, as a list with those of the control last."""
+    """Yield the runs of each mechanism and regime, as a list with those of the control last.
+
+    Runs without errors are left out; those of one motion have to follow each other.
+    """
     for _, part in groupby((run for run in runs if run.errors), key=lambda run: run.run[:3]):
         yield sorted(part, key=lambda run: run.errors[0].origin == CONTROL)
 
 
 def _counts(changes: Sequence[Change]) -> list[str]:
-    """How many results changed since they were recorded, by kind, as one line; none without changes."""
+    """How many results fail as changed since they were recorded, by kind, as one line; [] without any."""
     counts = Counter(entry.kind for entry in changes if entry.fails)
     return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 

@@ -60,7 +60,7 @@ _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 
 def drawn(width: float, height: float, draw: Callable[[Figure], object], *, placed: bool = True) -> Figure:
-    """A figure of this width and height, in, that ``draw`` fills, in the house style.
+    """A new figure of this width and height, in, that ``draw`` fills, in the house style.
 
     Its parts are arranged so that they do not touch, unless ``placed`` is False.
     """
@@ -79,7 +79,7 @@ def inches(host: Host) -> Array:
 
 
 def wrap(text: str, room: float) -> str:
-    """A text broken into lines of about ``room`` inches."""
+    """A text broken into lines of about ``room`` inches, eight letters at least."""
     return textwrap.fill(text, max(int(LETTERS * room), 8))
 
 
@@ -108,7 +108,8 @@ def axis_label(name: str, unit: str) -> str:
 def finish(axes: Axes, x_label: str = "", y_label: str = "", *, turn: bool = False, equal: bool = False) -> None:
     """Set labels, limits and lines at zero of axes that have all their curves.
 
-    A flat curve stands in the middle whatever its rounding, and magnitudes stand above zero. ``equal`` is one scale.
+    A flat curve stands in the middle whatever its rounding, and magnitudes stand above zero. ``turn`` is an axis of a
+    turn, in degrees, ``equal`` is one scale for both axes.
     """
     axes.set(xlabel=x_label, ylabel=y_label)
     if turn:
@@ -134,9 +135,9 @@ def is_wide(figure: Figure) -> bool:
 
 
 def svg(figure: Figure, page: str = "none") -> str:
-    """The figure as SVG text, always the same for the same figure; a dark scheme changes its colours.
+    """The figure as SVG text, always the same for the same figure; a dark scheme of the reader's changes its colours.
 
-    ``page`` is the colour behind it.
+    ``page`` is the colour behind it; with one the colours stay.
     """
     text = _saved(figure, "svg", ("Date", "Creator", "Format", "Type"), facecolor=page).decode("utf-8")
     text = _COORDINATES.sub(lambda match: _LONG_NUMBER.sub(r"\1", match[0]), text)
@@ -145,7 +146,10 @@ def svg(figure: Figure, page: str = "none") -> str:
 
 
 def picture(figure: Figure, kind: str) -> str | bytes:
-    """The figure on white as a file of a ``kind``, svg, png or pdf, for papers: with its fonts, the same every time."""
+    """The figure on white as the content of a file, text of an svg, bytes of a png or pdf, the same every time.
+
+    It has its fonts and is for papers.
+    """
     if kind == "svg":
         return svg(figure, page="white")
     if kind == "pdf":
@@ -154,7 +158,10 @@ def picture(figure: Figure, kind: str) -> str | bytes:
 
 
 def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
-    """The bytes of a figure's file, without the metadata ``left_out``, so that equal figures give equal files."""
+    """The bytes of a figure's file of a kind, without the metadata ``left_out``: equal figures give equal files.
+
+    ``more`` goes to matplotlib.
+    """
     buffer = io.BytesIO()
     with matplotlib.rc_context(fname=STYLE):
         figure.savefig(buffer, format=kind, metadata=dict.fromkeys(left_out), **more)
@@ -162,7 +169,7 @@ def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> b
 
 
 def _dark(text: str) -> str:
-    """CSS rules that replace the drawing's colours in a dark scheme."""
+    """CSS rules that replace the colours that an SVG text has in a dark scheme."""
     return "".join(
         f'[style*="{what}: {light}"],[{what}="{light}"]{{{what}:{dark}!important}}'
         for light, dark in DARK.items()

@@ -45,7 +45,10 @@ class KinematicScheme:
         return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
 
     def path(self, body: str, locals_: Iterable[ArrayLike]) -> Array:
-        """Points of a body, given in its frame, m, over all positions, (points, 2, n), in the drawing's unit."""
+        """Points of a body, given in its frame, m, over all positions, (points, 2, n), in the drawing's unit.
+
+        A body without positions is the ground.
+        """
         x, y, angle = self.positions.bodies.get(body, np.zeros((3, len(self.positions.axis))))
         u, v = np.array(list(locals_), dtype=float).reshape(-1, 2, 1).swapaxes(0, 1)
         c, s = np.cos(angle), np.sin(angle)
@@ -58,7 +61,7 @@ class KinematicScheme:
         return np.array([np.interp(where, self.positions.axis, row) for row in rows]).reshape(course.shape[:-1])
 
     def shown(self, body: str, locals_: Iterable[ArrayLike]) -> Array:
-        """Points of a body in the position drawn out, (points, 2)."""
+        """Points of a body, given in its frame, m, in the position drawn out, (points, 2), in the drawing's unit."""
         return self.at(self.path(body, locals_))
 
     @cached_property
@@ -94,7 +97,7 @@ class KinematicScheme:
         return int(np.argmax(np.min(apart, axis=(0, 1))))
 
     def direction(self, guide: Guide) -> Array:
-        """Unit vector of a guide in the position drawn out."""
+        """Unit vector, (2,), of a guide in the position drawn out."""
         start, end = self.shown(guide.host, [(0.0, 0.0), guide.along])
         return symbols.unit(end - start)
 
@@ -105,14 +108,17 @@ class KinematicScheme:
         return sliders + [(s.guide, self.positions.carriers[s.point], s.point) for s in self.linkage.slots]
 
     def reach(self, guide: Guide, body: str, point: str) -> Array:
-        """The two ends, in the frame of a guide's host, m, between which a point moves over all positions, (2, 2)."""
+        """The ends, in a guide's host's frame, m, between which a body's point moves over all positions, (2, 2)."""
         start, end = self.path(guide.host, [guide.through, np.add(guide.through, guide.along)])
         pin = self.path(body, [self.linkage.local(point, body)])[0]
         course = np.sum((pin - start) * (end - start), axis=0) / self.scale**2
         return np.array([guide.through + reach * np.array(guide.along) for reach in (course.min(), course.max())])
 
     def travel(self, guide: Guide, body: str, point: str) -> Array:
-        """The two ends of a point's travel along a guide, as the guide lies in the position drawn out, (2, 2)."""
+        """The ends of a point's travel along a guide, as it lies in the position drawn out, (2, 2), drawing's unit.
+
+        The point is one of ``body``.
+        """
         return self.shown(guide.host, self.reach(guide, body, point))
 
     @cached_property
@@ -160,7 +166,7 @@ def card_figure(linkage: Linkage, positions: Positions) -> Figure:
     rim = RIM / scale
 
     def place_small(figure: Figure) -> None:
-        """Draw paths and position to the figure's edges."""
+        """Draw paths and position into a figure, to its edges."""
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         axes.set(xlim=(low[0] - rim, high[0] + rim), ylim=(low[1] - rim, high[1] + rim))
@@ -172,7 +178,7 @@ def card_figure(linkage: Linkage, positions: Positions) -> Figure:
 
 
 def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
-    """A figure of the plane between two corners; ``draw`` gets the axes, the scheme and a pin's radius.
+    """A figure of the plane between two corners, in the file's unit; ``draw`` gets axes, scheme and a pin's radius.
 
     It is ``wide``, in, and half as high again at most; else as wide as it needs to be.
     """
@@ -186,7 +192,10 @@ def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: flo
 
 
 def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> None:
-    """Draw the plane between two corners into a figure or a part of one."""
+    """Draw the plane between two corners into a figure or a part of one.
+
+    ``draw`` gets axes, scheme and a pin's radius.
+    """
     whole = inches(host)
     box = whole - WORDS
     scale = float(np.min((box - 2.0 * ROOM) / np.maximum(extent[1] - extent[0], 1e-9)))
@@ -264,7 +273,7 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw the mass centres of turning links that are clear of the joints, tied to their link."""
+    """Draw the mass centres of links with inertia that are clear of the joints, tied to their link."""
     joints = np.array(list(scheme.spots.values()))
     for name, link in scheme.linkage.links.items():
         if link.inertia is not None and link.points:
@@ -284,7 +293,10 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Write the points' names on the side that no link leaves from."""
+    """Write the points' names on the side that no link leaves from; returns their places in the drawing, (names, 2).
+
+    ``size`` is a pin's radius.
+    """
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
         away, reach = symbols.unit(-_towards_links(name, scheme)), 3.8 * size
@@ -304,7 +316,7 @@ def write_name(axes: Axes, place: Array, name: str, ink: str = INK) -> None:
 
 
 def _towards_links(name: str, scheme: KinematicScheme) -> Array:
-    """The sum of unit vectors from a point to its neighbours on the same links, (2,)."""
+    """The sum of unit vectors from a point to its neighbours on the same links, (2,); zeros without neighbours."""
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
     return np.round(sum(map(symbols.unit, spans), np.zeros(2)), 6)

@@ -34,28 +34,28 @@ def unit(span: ArrayLike) -> Array:
 
 
 def left(vector: Array) -> Array:
-    """A vector turned by a quarter of a turn counter-clockwise."""
+    """A vector (2,) turned by a quarter of a turn counter-clockwise."""
     return np.array([-vector[1], vector[0]])
 
 
 def line(axes: Axes, places: ArrayLike, width: float, layer: float, ink: str = INK, **style: Any) -> None:  # noqa: ANN401
-    """Draw a line through (n, 2) places; ``layer`` decides what covers what."""
+    """Draw a line of a ``width`` in points through (n, 2) places; a higher ``layer`` covers lower ones."""
     axes.add_artist(Line2D(*np.transpose(places), color=ink, linewidth=width, zorder=layer, **style))
 
 
 def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any = PAPER) -> None:  # noqa: ANN401
-    """Draw a filled polygon with an outline."""
+    """Draw a filled polygon with an outline of a ``width`` in points."""
     axes.add_patch(Polygon(np.asarray(corners), facecolor=face, edgecolor=INK, linewidth=width, zorder=layer))
 
 
 def _box(start: Array, end: Array, half: float) -> list[Array]:
-    """The corners of a box, twice ``half`` wide, around a line."""
+    """The four corners of a box, twice ``half`` wide, around a line."""
     across = half * left(unit(end - start))
     return [start + across, end + across, end - across, start - across]
 
 
 def bar(axes: Axes, points: Array, layer: float) -> None:
-    """Draw a link: a round-ended bar between two points, a plate for three or more."""
+    """Draw a link: a round-ended bar for points on one line, a plate, their convex hull, for others."""
     corners = outline(points)
     if len(corners) > 2:
         _area(axes, corners, 1.56, layer, PLATE)
@@ -105,7 +105,7 @@ def guide(axes: Axes, start: Array, end: Array, side: float, size: float) -> Non
 
 
 def slot(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """Draw a slot of a moving link over a pin's travel: two parallel walls, closed at both ends."""
+    """Draw a slot of a moving link over a pin's travel: an outlined box around it, closed at both ends."""
     along = 2.6 * size * unit(end - start)
     _area(axes, _box(start - along, end + along, 1.7 * size), 1.0, 5.5, SLOT)
 

@@ -23,7 +23,10 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 
 
 def mechanisms(incomplete: str) -> list[str]:
-    """Names of the catalogue and paths of linkage files that begin with the incomplete word."""
+    """Names of the catalogue and paths of linkage files that begin with the incomplete word.
+
+    Paths only to a relative one.
+    """
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
     return [*_completions(_files_by_name(), incomplete), *sorted(map(str, files))]
 
@@ -87,7 +90,7 @@ def axes(incomplete: str) -> list[str]:
 
 
 def _files_by_name() -> dict[str, Path]:
-    """The files of the mechanisms that are known by name."""
+    """The files of the catalogue's mechanisms, by their names."""
     return {path.stem: path for path in CATALOGUE.rglob("*.toml")}
 
 
@@ -103,7 +106,7 @@ def _typed_files() -> list[Path]:
 
 
 def _linkages() -> Iterator[Linkage]:
-    """The linkages among the typed words; those that cannot be read are left out."""
+    """Yield the linkages among the typed words; those that cannot be read are left out."""
     from analytic.description.loading import load
 
     for file in _typed_files():
@@ -130,7 +133,10 @@ PLACES: Final = {
 
 
 def complete(app: click.Group) -> int:
-    """Offer the shell the words that may follow; returns the exit code."""
+    """Print the words that may follow, or the script of completion, for the shell that asks; returns the exit code, 0.
+
+    Raises LinkproofError for a shell without completion.
+    """
     shell, _, action = os.environ[VARIABLE].partition("_")
     asked = _completer(app, shell)
     click.echo(asked.source() if action == "source" else asked.complete())
@@ -161,7 +167,10 @@ def _teach(context: click.Context, parameter: click.Parameter, is_requested: boo
 
 
 def _install(shell: str, script: str) -> None:
-    """Write the completion script where the shell finds it."""
+    """Write the completion script where the shell finds it and end the command, if it is asked for.
+
+    The shell's settings read it from then on. Raises LinkproofError for a shell whose files are not known.
+    """
     file, start, line = PLACES[shell]
     place = Path.home() / file
     place.parent.mkdir(parents=True, exist_ok=True)

@@ -24,9 +24,10 @@ class Destination(OutputOptions):
     """Options of output, with the methods that write and print accordingly."""
 
     def prepare(self, study: str, given: Iterable[object]) -> None:
-        """Raise LinkproofError, before the work, for files that cannot be written; ``study`` is module:class.
+        """Raise LinkproofError, before the work, for options of output that exclude each other or cannot be met.
 
-        ``given`` are the arguments of the command, whose files no output may replace.
+        ``study`` is module:class, whose suffixes files may have. ``given`` are the arguments of the command, whose
+        files no output may replace. Creates nothing that stays.
         """
         self._check_form()
         if self.quiet and self.verbose:
@@ -57,7 +58,8 @@ class Destination(OutputOptions):
     def make(self, function: Callable[..., Study | None]) -> int:
         """Call the function, print its study and write its files; returns the exit code, 0 without a study.
 
-        If stdout is for JSON, what engines in this process print goes to stderr.
+        The function gets ``announce`` if it takes it. If stdout is for JSON, what engines in this process print goes to
+        stderr.
         """
         with redirect_stdout(sys.stderr) if self.json else nullcontext():
             if "announce" not in inspect.signature(function).parameters:
@@ -68,7 +70,10 @@ class Destination(OutputOptions):
         return 0 if study is None else self.emit(study)
 
     def emit(self, study: Study) -> int:
-        """Print a study, write its files and name them; returns the exit code."""
+        """Print a study with its warnings, write its files and name them; returns the exit code.
+
+        Raises LinkproofError for a study without content, and opens its page if asked to.
+        """
         study.check_content()
         warnings = (f"warning: {text}" for text in dict.fromkeys(study.warnings))  # be the run quiet or not
         show(*(Paragraph(text, colour="yellow") for text in warnings), stderr=True)
@@ -116,7 +121,7 @@ def write_to_stdout(text: str) -> None:
 
 @contextmanager
 def progress(*, visible: bool = True) -> Iterator[Announce]:
-    """A function that shows each begun run in a progress bar on a terminal, and else does nothing."""
+    """A context whose value shows each begun run in a progress bar on a terminal, and else does nothing."""
     if not (visible and sys.stderr.isatty()):
         yield lambda *_: None
         return
@@ -129,7 +134,7 @@ def progress(*, visible: bool = True) -> Iterator[Announce]:
     task = bar.add_task("", total=None)
 
     def announce(label: str, number: int, total: int) -> None:
-        """Show on the bar that the run of this label has begun."""
+        """Show on the bar that the run of this label and number, of so many, has begun."""
         bar.start()
         bar.update(task, description=harmless(label), completed=number, total=total)
 

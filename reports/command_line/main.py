@@ -13,7 +13,7 @@ from reports import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line and exit the process with its code; Ctrl-C too ends in a sentence."""
     try:
         _run_app()
     except KeyboardInterrupt as interrupt:
@@ -21,7 +21,10 @@ def main() -> None:
 
 
 def _run_app() -> None:
-    """Import and run the command line, with the streams made safe first."""
+    """Import and run the command line, with the streams made safe first.
+
+    Exits with its code, or a sentence on the error.
+    """
     _start_fast()
     _open_closed_streams()
     from analytic.errors import LinkproofError
@@ -49,7 +52,10 @@ def _run_app() -> None:
 
 
 def _end_badly(error: Exception) -> None:
-    """Print a sentence that blames the machine, if it is the cause, else linkproof, and exit."""
+    """Print a sentence on an unexpected error, and exit.
+
+    It blames the machine if that is the cause, else linkproof.
+    """
     import errno
 
     if isinstance(error, FileNotFoundError) and error.filename is None:
@@ -66,7 +72,10 @@ def _end_badly(error: Exception) -> None:
 
 
 def _start_fast() -> None:
-    """Speed up the start: fewer garbage collections, no plugins of pydantic; and make SIGTERM act as Ctrl-C."""
+    """Speed up the start of this process: fewer garbage collections, no plugins of pydantic.
+
+    And make SIGTERM act as Ctrl-C.
+    """
     import gc
     import os
     import signal
@@ -86,7 +95,10 @@ def _open_closed_streams() -> None:
 
 
 def _discard(descriptor: int) -> None:
-    """Send what a stream has still to write to the null device, so that Python exits without an error."""
+    """Send what a stream has still to write to the null device, so that Python exits without an error.
+
+    ``descriptor`` is the stream's.
+    """
     import os
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)

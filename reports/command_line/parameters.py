@@ -39,7 +39,7 @@ class CommandGroup(click.Group):
         return list(self.commands)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
-        """The command of the first word; raises LinkproofError for one that is gone."""
+        """The command of the first word, as click has it; raises LinkproofError for one that is gone."""
         if args[0] not in self.commands and not ctx.resilient_parsing:
             gone.refuse(args[0])
         return super().resolve_command(ctx, args)
@@ -55,7 +55,7 @@ class LinkproofCommand(click.Command):
     sections: Mapping[str, str] = NO_TEXTS  # titles by the names of parameters
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options into the help, section by section."""
+        """Write the options into the help's ``formatter``, section by section."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
@@ -66,7 +66,10 @@ class LinkproofCommand(click.Command):
                 formatter.write_dl(records)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the words; raises LinkproofError for an option that is gone, as is a file after --json."""
+        """Parse the words, as click does.
+
+        Raises LinkproofError for an option that is gone, as is a file after --json.
+        """
         files = [file for word, file in pairwise(args) if word == "--json" and not ctx.resilient_parsing]
         if any(file == "-" or file.lower().endswith(".json") for file in files):
             gone.refuse("--json")
@@ -86,10 +89,10 @@ def study_command(
     study: str = "",
     **texts: str,
 ) -> None:
-    """Add a function that returns a study to the commands: its options, then those of output that it ``offers``.
+    """Add a command for a function that returns a study: its options, then those of output that it ``offers``.
 
-    ``texts`` are the help of options of output where it is not the usual one; these options are offered, too. An
-    ``out`` of the function is an option of output as well. ``study`` is the place of the class, module:name.
+    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name,
+    ``summary`` the line in the list of commands. An ``out`` of the function is an option of output as well.
     """
     own, offered = declared_options(function), {*offers.split(), *texts}
     files = [option for option in declared_options(OutputOptions) if option.field.name in offered]
@@ -151,12 +154,15 @@ def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[s
 
 
 def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """An option's value from click's; a flag that is set switches off what is on by default."""
+    """An option's value from click's; a flag that is set is False where the default is True."""
     return not given if option.field.default is True else given
 
 
 def run(app: click.Group, name: str, words: Sequence[str]) -> int:
-    """Run a command's words, or answer a shell's completion; returns the exit code. Ctrl-C raises KeyboardInterrupt."""
+    """Run a command's words, or answer a shell's completion; returns the exit code.
+
+    Click's own errors are printed. Ctrl-C raises KeyboardInterrupt.
+    """
     if completion.VARIABLE in os.environ:
         return completion.complete(app)
     try:

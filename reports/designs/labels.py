@@ -45,7 +45,7 @@ class Label(NamedTuple):
 
 
 def label(name: str) -> Label:
-    """The Label of a signal by its name: the dataset's variable, its dimension, and the place along that."""
+    """The Label of a signal by its name: the dataset's variable, its dimension, the place along that, its component."""
     kind, _, rest = name.partition(":")
     if kind == GROUP:
         return Label(kind, DIMENSIONS[kind], rest)
@@ -57,12 +57,15 @@ def label(name: str) -> Label:
 
 
 def unit(name: str, linkage: Linkage) -> str:
-    """SI unit of a signal or quantity."""
+    """SI unit of a signal or quantity of the linkage."""
     return "s" if name == TIME else signals.unit(name, linkage)
 
 
 def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:
-    """Signals (n,) by name over the signal ``axis``, with units, mechanism and further facts in the attributes."""
+    """A dataset of signals (n,) by name over the signal ``axis``, with units; facts ``about`` it are attributes.
+
+    So are mechanism and variant. The time and φ are coordinates.
+    """
     variables: dict[str, dict[Label, str]] = {}
     for name in values:
         variables.setdefault(label(name).variable, {})[label(name)] = name
@@ -93,7 +96,11 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
 def evaluated(
     mechanism: Mechanism, angle: Array, names: Sequence[str] | None, moves: Mapping[str, Any]
 ) -> xarray.Dataset:
-    """A dataset of quantities over crank angles (n,), rad; by default all that ``moves`` allows."""
+    """A dataset of quantities over crank angles (n,), rad; by default all that ``moves`` allows.
+
+    ``moves`` has "speed", None without, and "acceleration", SI. Raises LinkproofError for a quantity that needs a
+    speed, UnknownNameError for an unknown one.
+    """
     variables = _signals_by_variable(mechanism)
     chosen = _requested_variables(mechanism, names, variables, moves=moves["speed"] is not None)
     every = [name for variable in chosen for name in variables[variable]]
@@ -112,7 +119,10 @@ def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
 def _requested_variables(
     mechanism: Mechanism, names: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
-    """The requested variables, each once; by default all that need no motion, or all if the crank ``moves``."""
+    """The requested variables, each once; by default all that need no motion, or all if the crank ``moves``.
+
+    ``known`` has their signals. Raises UnknownNameError for an unknown one, LinkproofError for one that needs a motion.
+    """
     table = signals.table(mechanism)
     if names is None:
         whole = {name: parts for name, parts in known.items() if not name.startswith("Jeq:")}
@@ -132,7 +142,10 @@ def evaluated_designs(
     designs: Mapping[str, ArrayLike],
     moves: Mapping[str, Any],
 ) -> xarray.Dataset:
-    """A dataset of quantities of many designs over crank angles, rad, and of whether each is ``assembled``."""
+    """A dataset of quantities of many designs over crank angles, rad, and of whether each is ``assembled``.
+
+    ``designs`` has numbers (k,), SI, by name; else as ``evaluated``.
+    """
     known = {name: parts for name, parts in _signals_by_variable(mechanism).items() if name != "S" and parts == [name]}
     chosen = _requested_variables(mechanism, names, known, moves=moves["speed"] is not None)
     values = evaluate_designs(mechanism, designs, angle, chosen, **moves)

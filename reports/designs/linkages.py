@@ -42,7 +42,10 @@ SCHEMA_LINE: Final = "#:schema"
 
 
 def new(name: str, like: LinkageFile | None = None) -> New:
-    """Write a linkage file to fill in, or a copy of ``like``; and the schema with which an editor checks it."""
+    """Write a linkage file to fill in, or a copy of ``like``, and the schema with which an editor checks it.
+
+    Where they are. A schema of somebody else stays. Raises LinkproofError for a bad name, and for a file that exists.
+    """
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
         raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
@@ -61,7 +64,10 @@ def new(name: str, like: LinkageFile | None = None) -> New:
 
 
 def _copy(like: LinkageFile, title: str) -> str:
-    """The text of a copy of a linkage's file, comments included, with a title of its own and the schema's line."""
+    """The text of a copy of a linkage's file, comments included, with a title of its own and the schema's line.
+
+    Raises LinkproofError for a file with a fault.
+    """
     import tomlkit  # noqa: PLC0415 - no other command of this file needs it
 
     like.linkage()  # a file with a fault is no start for another
@@ -98,7 +104,10 @@ def _is_ours(path: Path) -> bool:
 
 
 def review(linkage: Linkage, word: str, *, strict: bool) -> Check:
-    """The facts on a linkage up to its first fault; with ``strict``, a likely mistake counts as a fault."""
+    """The facts on a linkage, called ``word``, up to its first fault.
+
+    With ``strict``, a likely mistake counts as a fault.
+    """
     facts, fault = linkage_check.check(linkage)
     if strict and fault is None:
         try:
@@ -131,11 +140,11 @@ class Check(Study):
         return self.fault is None
 
     def failures(self) -> Sequence[str]:
-        """The linkage's fault as the only member."""
+        """The linkage's fault, as text, as the only member; "None" without one."""
         return [str(self.fault)]
 
     def sentence(self) -> Printed:
-        """The linkage's name and, if any, its fault."""
+        """The linkage's fault or, without one, its name and title."""
         return str(self.fault or f"{self.facts['mechanism']} ({self.facts['variant']}): {self.facts['title']}")
 
     def printout(self) -> Printout:
@@ -147,7 +156,7 @@ class Check(Study):
         return self.facts
 
     def plot(self) -> Figure:
-        """The scheme in twelve positions of its range."""
+        """The scheme in twelve positions of its range, a figure of matplotlib."""
         from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
         from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
@@ -165,7 +174,7 @@ class Check(Study):
         return dxf(self.linkage, positions_over_range(Mechanism(self.linkage)))
 
     def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401
-        """Write files; of a linkage with a fault only its facts, before the fault is raised."""
+        """Write files and return their paths; of a linkage with a fault only its facts, before the fault is raised."""
         facts = [file for file in files if Path(file).suffix.lower() == ".json"]
         super().save(*(facts if self.fault else files), **form)
         if self.fault and len(facts) < len(files):
@@ -173,14 +182,20 @@ class Check(Study):
         return [Path(file) for file in files]
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """The command that draws the linkage, as a hint."""
+        """A hint with the command that draws the linkage.
+
+        "" where a file was saved, there is a fault or the command has no word.
+        """
         if saved or self.fault or not self.word:
             return ""
         return f"\nscheme       linkproof check {shlex.quote(self.word)} --save scheme.svg draws it"
 
 
 def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
-    """A line for each fact, then the links; ``written`` writes a length, m, in the file's unit."""
+    """A line for each fact, then the table of links and warnings.
+
+    ``written`` writes a length, m, in the file's unit.
+    """
     heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
     words = [f"{name:<12} {fact}" for name, fact in review_words(facts, written)]
     warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in warning_words(facts, written)]
@@ -190,7 +205,7 @@ def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> 
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
-    """The cells of each link: name, mass, inertia, mean Jeq, points."""
+    """Yield the cells of each link: name, mass, inertia, mean Jeq, points."""
     for name, link in links.items():
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
         mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
@@ -201,9 +216,9 @@ TOUCH: Final = 1e-9  # of the largest of its kind: the least magnitude of what p
 
 
 def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing:
-    """Every figure of a design under a motion, extremes refined, and every number, in file units.
+    """Every figure of a design under a motion, extremes refined, and every number, in file units, as a Listing.
 
-    A number has the digits that give its value back.
+    ``conditions`` are those of the ``case`` in words. A number has the digits that give its value back.
     """
     from comparisons.designer.parameters import named_figures, parameters  # noqa: PLC0415 - check needs no designs
 

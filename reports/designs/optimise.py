@@ -49,12 +49,12 @@ class Optimisation(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about the search and about the file."""
+        """Warnings about the best design and about the file; [] without any."""
         return [*self.best.warnings, *warnings(self.best.problem.case.linkage)]
 
     @property
     def toml(self) -> str:
-        """The text of the linkage file of the new design."""
+        """The text of the linkage file of the new design; raises AssemblyError for one without a sketch."""
         return design_file(self.best.problem.case.mechanism, self.best.written)
 
     @cached_property
@@ -98,7 +98,10 @@ class Optimisation(Study):
         return [f"{_aim(best)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")]
 
     def _speed_note(self) -> Sequence[str]:
-        """A remark on the best speed, which the new file cannot hold; nothing if the speed is not varied."""
+        """A remark on the best speed, which the new file cannot hold, as the only member.
+
+        () if the speed is not varied.
+        """
         if SPEED not in self.best.after:
             return ()
         unit = self.best.problem.case.linkage.phi.speed_unit
@@ -178,7 +181,7 @@ class Optimisation(Study):
 
 
 def _aim(optimum: Optimum) -> str:
-    """The aim of the search in words."""
+    """The aim of the search in words: "least" or "largest", and the figure's name."""
     names, least = ", ".join(named_figure.name for named_figure in optimum.problem.aims), optimum.problem.sign > 0.0
     of_many = f"{'largest' if least else 'least'} of " if len(optimum.problem.aims) > 1 else ""
     return f"{'least' if least else 'largest'} {of_many}{names}"
@@ -190,7 +193,7 @@ def _aim_word(optimum: Optimum) -> str:
 
 
 def _numbers(optimum: Optimum) -> Table:
-    """The table of varied numbers: bounds, values before and after in the file's unit, change."""
+    """The table of varied numbers: bounds, values before and after in the file's unit, change, a remark."""
     rows = []
     for variable in optimum.problem.variables:
         name, unit = variable.parameter.name, variable.parameter.unit
@@ -226,7 +229,7 @@ def _percent(share: float) -> str:
 
 
 def _remarks(optimum: Optimum) -> Iterator[Printed]:
-    """Remarks on how the search went: method, optimality, rounding, other ends."""
+    """Yield remarks on how the search went: method, optimality, other ends, rounding."""
     search, problem = optimum.search, optimum.problem
     way = "exact derivatives" if is_exact(problem.case.mechanism) else "differences"
     grid = len(problem.maxima.grid)
@@ -248,7 +251,7 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
 
 
 def _optimality(search: Search) -> Iterator[str]:
-    """Sentences on how near to an optimum the search came."""
+    """Yield sentences on how near to an optimum the search came."""
     yield (
         f"Optimality (KKT residual, a share of the aim over the whole of the bounds): {steady_error(search.residual)}; "
         "0 is an exact optimum."
@@ -275,7 +278,7 @@ def _rounding(optimum: Optimum) -> str:
 
 
 def _starts(optimum: Optimum) -> str:
-    """A sentence on where the searches ended."""
+    """A sentence on how many searches ended at the optimum, elsewhere, or nowhere."""
     ends = [end for end in optimum.search.ends if end is not None]
     elsewhere = optimum.search.elsewhere
     feasible = [end for end in elsewhere if end.is_feasible]
@@ -298,7 +301,10 @@ PANEL, FRAME = 1.9, 1.2  # in, height of a panel, of the words above and below
 
 
 def _before_after_figure(optimum: Optimum, conditions: str) -> Figure:
-    """A figure with a panel per signal, the drive's torque first, and its peaks before and after marked."""
+    """A figure with a panel per signal, the drive's torque first, its peaks before and after marked.
+
+    There are nine panels at most.
+    """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
     curves = optimum.curves()

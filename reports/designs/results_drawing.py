@@ -39,9 +39,9 @@ MOST_CURVES: Final = 10
 
 
 def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
-    """The whole drawing of a sheet or, by ``name``, one figure of it for a paper's column.
+    """The whole drawing of a sheet or, by ``name``, one figure of it for a paper's column; raises LinkproofError.
 
-    The sheet is one that ``page_sheet`` made.
+    The sheet is one that ``page_sheet`` made. The error is for an unknown name, or a figure that the linkage lacks.
     """
     return _everything(sheet) if name is None else _column_figure(sheet, name)
 
@@ -53,7 +53,7 @@ def _everything(sheet: Sheet) -> Figure:
     rows = -(-len(vectors) // PER_ROW)
 
     def draw_all(figure: Figure) -> None:
-        """Draw the scheme, the curves and the forces into the figure."""
+        """Draw the scheme, if there are positions, the curves and the forces into the figure."""
         heights = (UPPER, *(rows * CELL,) * (rows > 0))
         whole = draw.head(figure, [printable(sheet.conditions)])
         upper, *lower = whole.subfigures(len(heights), height_ratios=heights, squeeze=False)[:, 0]
@@ -72,7 +72,7 @@ def _everything(sheet: Sheet) -> Figure:
 
 
 def _title(sheet: Sheet, name: str) -> str:
-    """The title of a curve: its name, its peak and the peak's place."""
+    """The title of a curve: its name, its peak with unit, and the peak's place."""
     peak = sheet.peaks[name]
     what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
@@ -86,7 +86,7 @@ def _force_title(sheet: Sheet, vector: str) -> str:
 
 
 def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw the paths of all points, and the linkage in one position."""
+    """Draw the paths of all points, the linkage in one position, and names; ``size`` is a pin's radius."""
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size, masses=False)
     draw_names(axes, scheme, size)
@@ -126,7 +126,7 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
 
 
 def _signals_together(sheet: Sheet, name: str) -> tuple[dict[str, str], str]:
-    """Names of the signals drawn on one pair of axes, in words, and the axes' label; none if lacking."""
+    """The signals drawn on one pair of axes, with their words, and the axes' label; {} for those lacking."""
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
         return signals, f"|F|, {sheet.file_unit_of('N').on_page}"

@@ -28,9 +28,9 @@ PIN: Final = 0.012  # of the linkage's size: radius of a joint
 
 
 def dxf(linkage: Linkage, positions: Positions, angle: float | None = None) -> str:
-    """The text of a DXF file: at this crank angle, or at the sketch's, with guides as ``positions`` need them.
+    """The text of a DXF file: at this crank angle, rad or m, or at the sketch's.
 
-    Links are lines, guides lines as long as their sliders' travel, joints circles and points.
+    Guides are as long as ``positions`` need them, joints circles and points, links lines.
     """
     place = linkage.sketch_angle if angle is None else angle
     scheme = KinematicScheme(linkage, positions_at(Mechanism(linkage), np.array([place]), closed=False), place)

@@ -32,7 +32,7 @@ DRIVE_COLUMNS: Final = (
 
 
 def printed(sheet: Sheet) -> list[Printed]:
-    """Tables of the key figures, or of every signal at the chosen instants, under the conditions and above remarks.
+    """The conditions, tables of the key figures or of every signal at the chosen instants, and remarks, as parts.
 
     The remarks are on signs and what the file does not give.
     """
@@ -42,7 +42,10 @@ def printed(sheet: Sheet) -> list[Printed]:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Table]:
-    """The tables of key figures: drive, forces, transmission angles, thread and output, with their places."""
+    """Yield the tables of key figures: drive, forces, transmission angles, thread and output, with their places.
+
+    Those that the linkage lacks are left out.
+    """
     yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
         head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
@@ -72,7 +75,10 @@ def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
 
 
 def _part_tables(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
-    """Tables of all signals of a kind, a row for every part and instant."""
+    """Yield the table of all signals of a kind, a row for every part and instant; nothing without parts.
+
+    ``title`` heads the column of parts.
+    """
     parts = dict.fromkeys(name.rpartition(":")[0] for name in sheet.units if name.startswith(f"{kind}:"))
     components = [f":{component}" for component in COMPONENTS[kind]] + ([MAGNITUDE] if "force" in kind else [])
     labels = [
@@ -97,7 +103,7 @@ def _column_head(sheet: Sheet, name: str, label: str) -> str:
 
 
 def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
-    """The first cells of every row: the time, s, unless φ is the axis, and φ in the file's unit."""
+    """The first cells of every row: the time, s, unless φ is the axis, and φ in the file's unit, as text."""
     angles = [f"{round(sheet.angle(phi), 9) + 0.0:.6g}" for phi in sheet.table["phi"].tolist()]
     times = [f"{time:.6g}" for time in sheet.table[TIME].tolist()]
     return [(phi,) for phi in angles] if sheet.axis == "phi" else [*zip(times, angles, strict=True)]
@@ -112,14 +118,14 @@ def _column(sheet: Sheet, name: str) -> list[str]:
 
 
 def columns(sheet: Sheet) -> dict[str, Array]:
-    """Every signal at every instant, (n,), in the file's units, by name and unit, the axis first."""
+    """Every signal at every instant of the table, (n,), in the file's units, by name and unit, the axis first."""
     names = sorted(sheet.table, key=lambda name: name != sheet.axis)  # stable: the rest keeps its order
     units = {name: sheet.unit(name) for name in names}
     return {f"{name} [{unit.name}]": sheet.table[name] / unit.size + 0.0 for name, unit in units.items()}
 
 
 def csv_table(sheet: Sheet, decimal: str = ".") -> str:
-    """The sheet as CSV text, a column for each signal.
+    """The sheet as CSV text, a column for each signal; ``decimal`` is the mark in numbers.
 
     With a decimal comma, semicolons separate the cells, and a byte-order mark makes a spreadsheet read UTF-8, so that
     it shows ° and φ as they are.
@@ -134,17 +140,17 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
 
 
 def json_text(sheet: Sheet) -> str:
-    """The document of a sheet in one line."""
+    """The document of a sheet as JSON in one line, with a line's end."""
     return json.dumps(document(sheet), ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def document(sheet: Sheet) -> dict[str, Any]:
-    """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
+    """One object, JSON-ready, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
 
     ``values`` has a list by name, ``peaks`` by name the value and where it is: φ where that is the axis, else the time,
-    and whether that is an open end of the motion.
-    ``figures`` has the tables of ``comparisons.designer.figures``, ``required``, where
-    the file states it, the feed required of a thread beside the actual one. What is not finite is null.
+    and whether that is an open end of the motion. ``figures`` has the tables of ``comparisons.designer.figures``,
+    ``required``, where the file states it, the feed required of a thread beside the actual one. What is not finite is
+    null.
     """
     table: dict[str, Any] = {
         "conditions": sheet.conditions,

@@ -36,7 +36,7 @@ def workbook(sheet: Sheet) -> bytes:
 
 
 def _text(page: object, text: str) -> WriteOnlyCell:
-    """A cell with a name as text, which otherwise would be a formula if it began with =."""
+    """A cell with a name as text, which otherwise would be a formula if it began with =; ``page`` is its sheet."""
     cell = WriteOnlyCell(page, printable(text))
     cell.data_type = "s"
     return cell
@@ -48,7 +48,7 @@ def _number(value: float | None) -> float | None:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
-    """The rows of the key figures, as in the terminal's tables, a row for each number."""
+    """Yield the rows of the key figures, as in the terminal's tables, a row for each number."""
     for figure in (row for rows in sheet.figures.values() for row in rows):
         what = f"{figure.what} on {figure.on}" if figure.on else figure.what
         phi = None if figure.phi is None else sheet.angle(figure.phi)

@@ -35,11 +35,11 @@ class Listing(Study):
         return Printout(self.parts, self.closing)
 
     def sentence(self) -> Printed:
-        """The number of listed entries, in a sentence."""
+        """The number of rows of each list in the table, in words: "12 records"."""
         return ", ".join(f"{len(rows)} {name}" for name, rows in self.table.items() if isinstance(rows, list))
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The listed rows as JSON-ready data."""
+        """The whole table, JSON-ready."""
         return self.table
 
 

@@ -45,7 +45,7 @@ class DesignSweep(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about the request and about the file."""
+        """Warnings about the request and about the file; [] without any."""
         return [*self.study.request.warnings, *warnings(self.study.request.case.linkage)]
 
     def check_content(self) -> None:
@@ -70,11 +70,11 @@ class DesignSweep(Study):
         return Printout([Paragraph(request.case.conditions, colour="bold"), self.sentence(), "", table], ())
 
     def brief(self) -> Sequence[Printed]:
-        """The parts of a quiet run: how many designs there are, and how many assemble."""
+        """The sentence on the number of designs, as the only member."""
         return [self.sentence()]
 
     def sentence(self) -> Printed:
-        """A sentence on the number of designs, how many assemble, and their range."""
+        """A sentence on the number of designs, how many assemble and, if not all, between which parameters."""
         space, assembled = self.study.request.space, int(np.count_nonzero(self.study.assembles))
         count = grouped(space.count)
         if not space.is_list and len(space.shape) > 1:
@@ -117,7 +117,7 @@ class DesignSweep(Study):
         }  # fmt: skip
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A DataFrame with a row for every design."""
+        """A DataFrame with a row for every design, nan where it does not assemble."""
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
@@ -129,7 +129,7 @@ class DesignSweep(Study):
         return sweep_figure(study.dataset, _own(study), {design for design in ends if design is not None})
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix: CSV, netCDF, a picture or JSON."""
+        """The content of a file with this suffix: CSV, as a function that writes it, netCDF, a picture or JSON."""
         if suffix == ".csv":
             return partial(_write_csv, self.study)
         if suffix != ".nc":
@@ -145,7 +145,7 @@ class LazySweep:
     dataset: xarray.Dataset
 
     def __repr__(self) -> str:
-        """One line with the kind of study and the size."""
+        """One line with the kind of study and the dataset's sizes."""
         return f"<LazySweep: {dict(self.dataset.sizes)}>"
 
 
@@ -155,14 +155,20 @@ def _own(study: SweepStudy) -> dict[str, float]:
 
 
 def _ends(study: SweepStudy, figure: int) -> Iterator[tuple[str, float, list[float]]]:
-    """The least value of a figure, the file's own and the largest, each with its design's parameters."""
+    """Yield a figure's least value, the file's own and the largest, each with its name and its design's parameters.
+
+    ``figure`` is its number; values are in the file's units.
+    """
     yield LEAST, *_extreme(study, figure, -1.0)
     yield "file's own", float(study.own[figure]), [*_own(study).values()]
     yield "largest", *_extreme(study, figure, 1.0)
 
 
 def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[float]]:
-    """Value and parameters of the design with the largest (``way`` 1) or least (-1) figure; nan without one."""
+    """Value and parameters of the design with the largest (``way`` 1) or least (-1) figure; nan and [] without one.
+
+    ``figure`` is its number; both are in the file's units.
+    """
     design = study.extreme(figure, way)
     if design is None:
         return math.nan, []
@@ -170,7 +176,7 @@ def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[fl
 
 
 def _write_csv(study: SweepStudy, path: Path) -> None:
-    """Write the study as CSV: a line per design, a column per parameter and figure, headed by name and unit.
+    """Write the study to a file as CSV: a line per design, a column per parameter and figure, headed by name and unit.
 
     By hand, for ``to_csv`` of pandas takes three times as long, which is longer than the sweep itself.
     """

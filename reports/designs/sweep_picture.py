@@ -56,7 +56,7 @@ class DrawnDesigns:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures that are drawn."""
+        """Names of the figures that are drawn, the first nine."""
         return tuple(map(str, self.dataset.data_vars))[:MOST]
 
     def values(self, name: str) -> Array:
@@ -68,14 +68,18 @@ class DrawnDesigns:
         return int(np.count_nonzero(np.isnan(self.values(name))))
 
     def best(self, name: str) -> int | None:
-        """The design, in the order of the dimensions, whose figure is nearest to its target; None where all fail."""
+        """The place, in the flattened designs, of the one whose figure is nearest to its target.
+
+        None where all fail.
+        """
         away = np.abs(self.values(name) - self.target(name)[0])
         return None if np.all(np.isnan(away)) else int(np.nanargmin(away))
 
     def span(self, name: str) -> tuple[float, float] | None:
         """Limits of a figure's scale that cut off a few very large values, such as those near dead positions.
 
-        Twice the span of eight tenths of all, and the value nearest to the target; None where all can be shown.
+        They are twice the span of eight tenths of all, and the value nearest to the target; None where all can be shown
+        or there is none.
         """
         values = self.values(name)
         values = values[np.isfinite(values)]
@@ -101,7 +105,7 @@ class DrawnDesigns:
         return axis_label(f"{printable(name)}{ends}", self.unit(name))
 
     def target(self, figure: str) -> tuple[float, str]:
-        """The best value of a figure, in the file's unit, and a note on the design nearest to it."""
+        """The best value of a figure, in the file's unit, and words on the design nearest to it."""
         if figure.startswith("transmission_angle:") and not figure.endswith(".range"):
             return 0.5 * math.pi if self.unit(figure) == "rad" else 90.0, "nearest to 90°"
         return 0.0, "nearest to 0" if figure.endswith(SIGNED) or "@" in figure else "least"
@@ -131,7 +135,8 @@ class DrawnDesigns:
 def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Collection[int]) -> DrawnDesigns:
     """The designs of a sweep to draw: a grid of one or two numbers thinned out evenly, of others a random sample.
 
-    ``always`` are numbers of designs that are among them, in the order of the dimensions.
+    ``always`` are numbers of designs that are among them, in the order of the dimensions. ``own`` is kept. The sample
+    is the same every time; fewer designs are all drawn.
     """
     shape = tuple(dataset.sizes.values())
     count, always_drawn = math.prod(shape), np.array(sorted(always), dtype=int)
@@ -185,7 +190,10 @@ def sweep_figure(dataset: xarray.Dataset, own: Mapping[str, float], always: Coll
 def _figure(
     designs: DrawnDesigns, shape: tuple[int, int], size: tuple[float, float], plot: Callable[[DrawnDesigns, Any], None]
 ) -> Figure:
-    """A figure of (rows, columns) of panels of a width, of all, and a height; beneath its head the marks' meanings."""
+    """A figure of (rows, columns) of panels that ``plot`` fills, with the marks' meanings in a legend.
+
+    ``size`` is its width and the height of a row, in.
+    """
     (rows, columns), (width, tall) = shape, size
 
     def place(figure: Figure) -> None:
@@ -221,7 +229,7 @@ def _plot_curves(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401 - an
 
 
 def _mark(axes: Axes, designs: DrawnDesigns, name: str, x: Array, own: float | None) -> None:
-    """Mark the design nearest to a figure's target, and the file's own place, in axes."""
+    """Mark the design nearest to a figure's target, and the file's ``own`` place if it has one, in axes over ``x``."""
     best = designs.best(name)
     if best is not None:
         axes.plot(x[best], designs.values(name)[best], label=designs.target(name)[1], **STAR)
@@ -275,7 +283,7 @@ def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 
 
 def _edges(places: Array) -> Array:
-    """The borders of cells around ascending places, half-way between neighbours: (places + 1,)."""
+    """The borders of cells around places (n,), ascending, half-way between neighbours: (n + 1,)."""
     if len(places) == 1:
         return places + 0.5 * (abs(places[0]) or 1.0) * np.array([-1.0, 1.0])
     first, last = 1.5 * places[[0, -1]] - 0.5 * places[[1, -2]]

@@ -39,12 +39,12 @@ class Tolerance(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about results at open ends and about probable slips of the file."""
+        """Warnings about results at open ends and about probable slips of the file; [] without any."""
         return [*self._open_ends, *warnings(self.study.case.linkage)]
 
     @property
     def _open_ends(self) -> list[str]:
-        """The sentence on results at open ends; none without any."""
+        """The sentence on results at open ends as the only member; [] without any."""
         return [*filter(None, [self.study.at_open_end.sentence])]
 
     @cached_property
@@ -113,13 +113,13 @@ class Tolerance(Study):
         return Printout([*parts, ""], [self.sentence(), NOTE])
 
     def sentence(self) -> Printed:
-        """The outcome in the random designs, in a sentence."""
+        """The number of random designs and the share of them that does not assemble, in a sentence."""
         lost, count = 1.0 - self.study.assembled, self.study.random.shape[1]
         outcome = f"{lost:.2%} of them do not assemble" if lost else "all of them assemble"
         return f"{count} random designs, seed {SEED}: {outcome}"
 
     def _table(self, result: int) -> Table:
-        """The table of one result, a row for each tolerance, the largest contribution first."""
+        """The table of one result, by its number, a row for each tolerance, the largest contribution first."""
         named, rows = self.study.figures[result], self._rows_of(result)
         order = np.argsort(-self.study.contributions[result], kind="stable")
         cells = [_cells(rows[number]) for number in order]
@@ -130,7 +130,7 @@ class Tolerance(Study):
         return [row for result in range(len(self.study.figures)) for row in self._rows_of(result)]
 
     def _rows_of(self, result: int) -> list[dict[str, Any]]:
-        """The rows of one result."""
+        """The rows of one result, by its number, in the file's units, JSON-ready."""
         study, named = self.study, self.study.figures[result]
         rows = []
         for column, number in enumerate(study.tolerances):
@@ -159,7 +159,7 @@ class Tolerance(Study):
         return {**self._about, "results": results, "warnings": self._open_ends}
 
     def _document(self, result: int) -> dict[str, Any]:
-        """The data of one result, JSON-ready."""
+        """The data of one result, by its number, in the file's units, JSON-ready."""
         study, named = self.study, self.study.figures[result]
         size = named.unit.size
         return {
@@ -211,7 +211,10 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
-    """Sentences on the worst case and the random designs, each beside the linear estimate."""
+    """Yield sentences on the worst case and the random designs of a result, each beside the linear estimate.
+
+    ``row`` is the result's number.
+    """
     unit = study.figures[row].unit
     end = f" {unit.name}".rstrip()
     nominal, worst = study.nominal[row] / unit.size, study.worst[row] / unit.size
@@ -263,7 +266,10 @@ def tornado_figure(study: ToleranceStudy) -> Figure:
 
 
 def _plot_tornado(axes: Axes, study: ToleranceStudy, result: int) -> None:
-    """Draw the changes of one result at both limits of each parameter, the largest change on top."""
+    """Draw the changes of one result, by its number, at both limits of each parameter, the largest change on top.
+
+    Of many parameters only the first are drawn.
+    """
     from reports.charts import draw  # noqa: PLC0415
 
     named = study.figures[result]

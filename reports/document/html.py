@@ -39,7 +39,8 @@ class Picture(NamedTuple):
 def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
-    Returns the files' names within the folder, the page's first. ``pages`` are the report's pages.
+    Returns the files' names within the folder, the page's first. ``pages`` are links to the report's pages, for its
+    menu.
     """
     files = _PageFiles(folder, page)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
@@ -83,7 +84,7 @@ class _PageFiles:
         return Markup(POWER.sub(r'<span class="whole">\g<0></span>', str(text))) if " " in words else text
 
     def json(self, data: object) -> Markup:
-        """JSON that may stand in a script of a page."""
+        """JSON text that may stand in a script of a page; raises ValueError for a number that is not finite."""
         text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
         return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
 
@@ -107,6 +108,6 @@ class _PageFiles:
         return Picture(f"{self.root}{name}.svg", width, height, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
-        """The path of a file in the folder, whose name is noted among those written."""
+        """The path of a file in the folder; its name is added to those written."""
         self.names.append(name)
         return self.folder / name

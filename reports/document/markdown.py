@@ -26,12 +26,15 @@ MARKUP: Final = re.compile(r"[\\`*\[\]]|(?<![^\W_])_|_(?![^\W_])|<(?=[A-Za-z/!?]
 
 
 def written(parts: Iterable[Part], level: int = 2) -> str:
-    """Parts as Markdown, a blank line between them; ``level`` is that of a heading."""
+    """Parts as Markdown, a blank line between them; ``level`` is that of a heading.
+
+    Parts that only pages have are left out.
+    """
     return "\n\n".join(filter(None, (_part(part, level) for part in parts)))
 
 
 def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
-    """One part as Markdown; ``level`` is that of a heading."""
+    """One part as Markdown; ``level`` is that of a heading. "" for a part that only pages have."""
     match part:
         case Paragraph(words):
             return inline(words)

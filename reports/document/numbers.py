@@ -12,7 +12,7 @@ ROUND_OFF = 1e-13
 
 
 def figure(value: float | None, digits: int = 4) -> str:
-    """A value as text with so many significant digits: 8.339e-5, 0.2704, 31.00."""
+    """A value as text with so many significant digits: 8.339e-5, 0.2704, 31.00; a dash for none or one not finite."""
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0:
@@ -23,7 +23,7 @@ def figure(value: float | None, digits: int = 4) -> str:
 
 
 def printed(value: float) -> str:
-    """A value as text without digits it does not have: 8.3e-5, 0.16, 24."""
+    """A value as text in at most six digits, without digits it does not have: 8.3e-5, 0.16, 24."""
     if value == 0.0:
         return "0"
     if not SMALLEST <= abs(value) < LARGEST:
@@ -37,13 +37,13 @@ def _without_exponent(text: str) -> str:
 
 
 def _scientific(value: float, digits: int, *, trailing: bool = True) -> str:
-    """A value with an exponent that is not padded, and its ``trailing`` zeros or not."""
+    """A value to so many digits with an exponent that is not padded, and its ``trailing`` zeros or not."""
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa if trailing else f'{float(mantissa):g}'}e{int(exponent)}"
 
 
 def error(value: float | None) -> str:
-    """A deviation as text to two digits, with an exponent below one: 1.2e-5, 1.9."""
+    """A deviation as text to two digits, with an exponent below one: 1.2e-5, 1.9; a dash for none or one not finite."""
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0 or 0.995 <= value < 100.0:
@@ -52,22 +52,25 @@ def error(value: float | None) -> str:
 
 
 def steady_error(value: float | None) -> str:
-    """A deviation, unless it is round-off, whose digits say nothing and differ from machine to machine."""
+    """A deviation as ``error`` has it; of round-off only that it is less.
+
+    Its digits say nothing and differ from machine to machine.
+    """
     return f"< {bound(ROUND_OFF)}" if value is not None and value < ROUND_OFF else error(value)
 
 
 def bound(value: float | None) -> str:
-    """A limit as text, as it stands in its table: 1e-4, 2.5e-6; a dash for None."""
+    """A limit as text in at most four digits, as it stands in its table: 1e-4, 2.5e-6; a dash for None."""
     return ABSENT if value is None else _scientific(value, 4, trailing=False)
 
 
 def decade(value: float) -> str:
-    """The power of ten above a bound as text: 1e-9 for 2.3e-10; for round-off always 1e-13."""
+    """The power of ten at or above a bound as text: 1e-9 for 2.3e-10; for round-off always 1e-13."""
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
 def seconds(value: float) -> str:
-    """A time as text to three significant digits, in s or ms."""
+    """A time, s, as text to three significant digits, in s or ms."""
     return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"
 
 
@@ -77,7 +80,7 @@ def grouped(count: int, space: str = " ") -> str:
 
 
 def within_turn(angle: float, digits: int = 1) -> str:
-    """An angle given in degrees, brought into [0°, 360°) as it is printed: 359.97 is 0.0°, not 360.0°."""
+    """An angle, given in degrees, within [0°, 360°) as text: 359.97 is 0.0°, not 360.0°."""
     return f"{round(angle, digits) % 360.0:.{digits}f}°"
 
 
@@ -99,7 +102,7 @@ def accept_any_text() -> None:
 
 
 def _replacement(fault: UnicodeError) -> tuple[str, int]:
-    """Plain signs for characters that the stream cannot encode, and the position to go on at."""
+    """Plain signs for characters that the stream cannot encode, and the position to go on at; raises other faults."""
     if not isinstance(fault, UnicodeEncodeError):
         raise fault
     return "".join(PLAIN.get(sign, "?") for sign in fault.object[fault.start : fault.end]), fault.end

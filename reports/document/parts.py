@@ -33,7 +33,7 @@ Words = Inline | tuple[Inline, ...]
 
 
 def as_text(words: Words) -> str:
-    """Words as plain text."""
+    """Words as plain text, links by their text."""
     if isinstance(words, tuple):
         return "".join(map(as_text, words))
     return words if isinstance(words, str) else words.text
@@ -103,7 +103,7 @@ class Table:
     style: str = ""
 
     def side(self, column: int) -> str:
-        """The letter of a column's alignment, "l" or "r"."""
+        """The letter of the alignment of a column, by its number: "l" or "r"."""
         return self.align[min(column, len(self.align) - 1)]
 
 

@@ -48,7 +48,7 @@ class Study:
         raise NotImplementedError
 
     def json(self) -> str:
-        """The output of ``to_dict`` as text."""
+        """The output of ``to_dict`` as JSON text."""
         from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
 
         return to_json(self.to_dict())
@@ -58,12 +58,12 @@ class Study:
         return ()
 
     def sentence(self) -> Printed:
-        """The outcome in a sentence."""
+        """The outcome in a sentence: the first brief part, or the last closing line."""
         return next(iter(self.brief()), None) or self.printout().closing[-1]
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Sentences on likely mistakes in the files, and on what a reader of the values has to know."""
+        """Sentences on likely mistakes in the files, and on what a reader of the values has to know; () by default."""
         return ()
 
     @property
@@ -86,21 +86,21 @@ class Study:
         raise AssertionError("\n".join(self.failures()))
 
     def plot(self, *_: Any, **__: Any) -> Figure:  # noqa: ANN401 - of each study its own
-        """A figure of matplotlib; its arguments differ from study to study."""
+        """A figure of matplotlib; its arguments differ from study to study. By default raises LinkproofError."""
         raise LinkproofError(f"a {type(self).__name__} has no picture: print it")
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """The rows of its table, by the names of the columns."""
+        """The rows of its table, by the names of the columns; by default ``to_dict`` alone."""
         return [self.to_dict()]
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for every record, verdict or finding, a column for each of its fields."""
+        """A DataFrame of ``rows``, a column for each of their fields."""
         import pandas as pd  # noqa: PLC0415  half a second that results alone do not pay
 
         return pd.DataFrame(self.rows())
 
     def content(self, suffix: str, *_: Any, **form: Any) -> Content:  # noqa: ANN401 - of each study its own
-        """The content of a file with this suffix: a picture of ``plot``, else the JSON."""
+        """The content of a file with this suffix, a picture of ``plot``, else the JSON; ``form`` goes to ``plot``."""
         if suffix in PICTURES:
             from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
 
@@ -108,7 +108,10 @@ class Study:
         return self.json()
 
     def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401 - of each study its own
-        """Write files in the formats of their suffixes, once every content is made; raises LinkproofError."""
+        """Write files in the formats of their suffixes, once every content is made; returns their paths.
+
+        ``form`` goes to ``content``. Raises LinkproofError for a file that cannot be written.
+        """
         paths = [Path(file) for file in files]
         check_saves(paths, self.suffixes)
         for path, content in [(path, self.content(path.suffix.lower(), **form)) for path in paths]:
@@ -116,11 +119,14 @@ class Study:
         return paths
 
     def write(self, folder: str | Path) -> Path:
-        """Write records and pages into a folder; returns the path of the page to open."""
+        """Write records and pages into a folder; returns the path of the page to open.
+
+        By default raises LinkproofError.
+        """
         raise LinkproofError(f"a {type(self).__name__} has no pages: save a file, not '{folder}'")
 
     def hint(self, _saved: Sequence[Path]) -> str:
-        """A sentence on the user's next step; "" for none."""
+        """A sentence on the user's next step, given the files ``_saved``; "" for none."""
         return ""
 
     def __repr__(self) -> str:
@@ -142,7 +148,8 @@ def check_saves(
 ) -> None:
     """Raise LinkproofError for a file of ``--save`` that cannot be written, as where its folder is missing.
 
-    ``read`` are the files to read, among other words; ``made`` is a folder that will be there.
+    So too for one twice, one without its package, and one that is read: ``read`` are the files to read, among other
+    words. ``suffixes`` are those allowed; ``made`` is a folder that will be there.
     """
     places, read_places = dict[str, Path](), {os.path.realpath(word) for word in read}
     for file in files:
@@ -163,7 +170,10 @@ def check_saves(
 
 
 def check_file(option: str, file: Path, suffixes: Sequence[str] = (), made: Path | None = None) -> None:
-    """Raise LinkproofError for a file of an option that cannot be written; ``made`` is a folder that will be there."""
+    """Raise LinkproofError for a file of an option that cannot be written or has none of the ``suffixes``.
+
+    Any suffix will do if there are none. ``made`` is a folder that will be there.
+    """
     if suffixes and file.suffix.lower() not in suffixes:
         one = f"one of {', '.join(suffixes)}" if len(suffixes) > 1 else suffixes[0]
         raise LinkproofError(f"{option} {file}: the suffix must be {one}; rename the file")

@@ -23,18 +23,21 @@ SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w
 
 
 def render(template: str, **values: object) -> Markup:
-    """A page template of ``reports/templates``, filled in."""
+    """A page template of ``reports/templates``, by its file's name, filled in with values."""
     return Markup(_environment().get_template(template).render(**values))
 
 
 def lines(macro: str, **values: object) -> list[str]:
-    """The sentences of one macro of ``sentences.txt``, a line each, as plain text."""
+    """The sentences of one macro of ``sentences.txt`` with these values, a line each, as plain text.
+
+    Empty lines left out.
+    """
     names = str(getattr(_sentences(macro), macro)(**values)).splitlines()
     return [" ".join(line.split()) for line in names if line.strip()]
 
 
 def sentence(macro: str, **values: object) -> str:
-    """The sentences of one macro as one paragraph."""
+    """The sentences of one macro with these values as one paragraph; "" if it has none."""
     return " ".join(lines(macro, **values))
 
 

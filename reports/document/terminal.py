@@ -31,7 +31,7 @@ class Printout(NamedTuple):
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:
-    """Print parts one below the other on stdout or stderr; print nothing without parts."""
+    """Print parts one below the other on stdout or, with ``stderr``, there; print nothing without parts."""
     if not parts:
         return
     screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
@@ -51,7 +51,7 @@ def write(text: str, stream: TextIO) -> None:
 
 
 def rendered(*parts: Printed, width: int = UNBOUNDED) -> str:
-    """The parts as text for a pipe: no colours, no spaces at the ends of lines."""
+    """The parts as text for a pipe, at most ``width`` wide: no colours, no spaces at the ends of lines."""
     screen = Console(width=width, no_color=True, force_terminal=False, markup=False, emoji=False, highlight=False)
     with screen.capture() as captured:
         screen.print(*_lines(parts), sep="\n")
@@ -64,7 +64,7 @@ def harmless(text: str) -> str:
 
 
 def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
-    """The parts as Rich's texts and grids."""
+    """Yield the parts as Rich's texts and grids."""
     for part in parts:
         if isinstance(part, Table):
             yield from _table(part)
@@ -75,7 +75,7 @@ def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
 
 
 def _table(table: Table) -> Iterator[Text | Grid]:
-    """A table for the terminal, without rules: caption, grid, note."""
+    """Yield a table for the terminal, without rules: caption, grid, note."""
     if table.caption:
         yield _text(table.caption)
     grid = Grid(box=None, pad_edge=False)

@@ -58,7 +58,7 @@ def sections(sheet: Sheet) -> tuple[Section, ...]:
 
 
 def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
-    """Paragraphs with the reasons why the parts ``keys`` of the sheet are missing."""
+    """Paragraphs with the reasons why the parts ``keys`` of the sheet are missing; () where none is."""
     reasons = {key: sheet.missing[key] for key in keys if key in sheet.missing}
     words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
     return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
@@ -70,13 +70,13 @@ def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Calla
 
 
 def finish(axes: Axes, sheet: Sheet, y_label: str, *, is_last: bool = True) -> None:
-    """Set labels and limits of axes with curves over the motion; the last of a column names the axis."""
+    """Set labels and limits of axes with curves over the sheet's motion; the last of a column names the axis."""
     name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
     draw.finish(axes, f"{name}, {sheet.axis_unit.on_page}" if is_last else "", y_label, turn=sheet.is_turn)
 
 
 def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
-    """Draw signals one below the other over the motion, each with its peak marked; returns their axes."""
+    """Draw signals one below the other over the motion into ``host``, each with its peak marked; returns their axes."""
     column = [*host.subplots(len(names), sharex=True, squeeze=False)[:, 0]]
     for row, (axes, name) in enumerate(zip(column, names, strict=True)):
         colour, peak, unit = PALETTE[row % len(PALETTE)], sheet.peaks[name], sheet.unit(name)
@@ -91,7 +91,7 @@ def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
 
 
 def _drive_section(sheet: Sheet) -> Section:
-    """The section on the inertia behind the torque, or on the reason why there is none."""
+    """The section on the inertia behind the torque, and on the reason why there is no output or torque."""
     words = [] if sheet.linkage.output else ["The file names no output: there is no S, v and a."]
     if not any(name in sheet.values for name in DRIVE):
         words += ["No link has mass and there are no loads: there is no torque, power or joint force."]
@@ -104,7 +104,7 @@ def _drive_section(sheet: Sheet) -> Section:
 
 
 def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
-    """The figure of Jeq by group, stacked, and by link; none without inertia."""
+    """The figure of Jeq by group, stacked, and by link, as the only member; () without inertia."""
     unit = sheet.unit("Jeq")
     groups, links = (
         {name: sheet.sorted_by_axis(values) / unit.size for name, values in sheet.shares.get(kind, {}).items()}
@@ -138,12 +138,15 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
 
 
 def _share(name: str, values: Array, whole: float) -> str:
-    """A part's name with its share of the mean, in per cent."""
+    """A part's name with its share of the ``whole`` mean, in per cent."""
     return f"{plain(name)}, {100.0 * float(np.mean(values)) / whole:.1f} %"
 
 
 def _forces_section(sheet: Sheet) -> Section:
-    """The section on the forces in every joint and on the frame: hodographs and figures."""
+    """The section on the forces in every joint and on the frame, hodographs and figures.
+
+    Without parts if there are none.
+    """
     joints = sheet.joints
     if not joints:
         return Section("forces", "Forces in the joints and on the frame", ())
@@ -161,7 +164,7 @@ def _dots_in_words(sheet: Sheet) -> str:
 
 
 def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
-    """The figure of the hodographs of every joint's force and of that on the frame."""
+    """The figure of the hodographs of the joints' forces, twelve at most, and of that on the frame."""
     vectors = [f"{JOINT}{name}" for name in joints[:MOST_HODOGRAPHS]]
     vectors += ["shaking_force"] if "shaking_force:x" in sheet.values else []
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
@@ -171,7 +174,10 @@ def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
 
 
 def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Mapping[str, str] = NO_TITLES) -> None:
-    """Draw each vector's Fy over Fx, to its own scale; over a turn with a dot every 30° and named quarters."""
+    """Draw each vector's Fy over Fx into ``host``, to its own scale; over a turn a dot every 30° and named quarters.
+
+    ``titles`` replace the vectors' names.
+    """
     columns = min(PER_ROW, len(vectors))
     rows = -(-len(vectors) // columns)
     grid = host.subplots(rows, columns, squeeze=False).ravel()
@@ -216,7 +222,7 @@ def _links_section(sheet: Sheet) -> Section:
 
 
 def _scheme(sheet: Sheet) -> tuple[Card, ...]:
-    """The card with the linkage drawn to scale in several positions; none without positions."""
+    """The card with the linkage drawn to scale in several positions as the only member; () without positions."""
     positions = sheet.positions
     if positions is None:
         return ()

@@ -74,7 +74,7 @@ def chart(view: View) -> Widget:
 
 
 def errors_section(view: View, regime: Regime) -> Fold:
-    """The part with every error of a regime in figures, and the reason for each missing one."""
+    """The fold with every error of a regime in figures, the reason for each missing one, and remedies."""
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     lost = {run[0].run for run in runs if run not in shown}
@@ -138,7 +138,7 @@ def remedies(runs: Iterable[Sequence[Error]], place: Callable[[Error], str] = la
 
 
 def _runs_table(view: View, regime: Regime) -> Table:
-    """The table of a regime's runs: how each was made, what it cost, and the origin of its figures."""
+    """The table of a regime's runs that made steps: how each was made, what it cost, and the origin of its figures."""
     made = {run.run: run for run in view.results.runs}
     rows = tuple(
         (
@@ -191,7 +191,7 @@ def errors_figure(view: View, regime: Regime) -> Figure:
         return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
 
     def place(figure: Figure) -> None:
-        """Draw a mark for every record, in its engine's colour and symbol."""
+        """Draw a mark for every record, in its engine's colour and symbol, and the limits into the figure."""
         axes = figure.subplots()
         for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in known).items():
             look = looks_of[engine]
@@ -231,7 +231,7 @@ def chart_data(view: View) -> dict[str, Any]:
 
 
 def curves(view: View) -> dict[str, dict[str, Any]]:
-    """The curves that any run gave, by regime and quantity, JSON-ready."""
+    """The curves that any run gave, JSON-ready, by the numbers of regime and quantity: "0-2"."""
     return {
         f"{number}-{place}": _curves(traces)
         for number, regime in enumerate(view.regimes)
@@ -270,7 +270,7 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
 
 
 def digits(value: float) -> float:
-    """An error rounded to two digits, as it is printed."""
+    """An error rounded to two digits, as it is printed, and at least that of round-off."""
     return float(f"{max(value, LEAST_ERROR):.1e}")
 
 

@@ -24,7 +24,7 @@ SLIDING: Final = (
 
 
 def review_words(facts: Facts, written: Callable[[float], str]) -> Pairs:
-    """All facts of a review, as far as it came; ``written`` writes a length, m, in the file's unit."""
+    """Yield all facts of a review, as far as it came; ``written`` writes a length, m, in the file's unit."""
     if facts["source"]:
         yield "source", facts["source"]
     if len(facts["variants"]) > 1:
@@ -54,14 +54,17 @@ def review_words(facts: Facts, written: Callable[[float], str]) -> Pairs:
 
 
 def mechanism_words(facts: Facts) -> Pairs:
-    """The facts on the motion: the range, and what a full turn shows."""
+    """Yield the facts on the motion: the range, and what a full turn shows."""
     if "range" in facts:
         yield from _range_words(facts["range"])
     yield from _turn_words(facts)
 
 
 def warning_words(facts: Facts, written: Callable[[float], str]) -> Iterator[str]:
-    """The warnings of a review, a sentence each."""
+    """Yield the warnings of a review, a sentence each, on the sketch and transmission angles too.
+
+    ``written`` writes a length, m, in the file's unit.
+    """
     yield from facts["warnings"]
     sketch = facts.get("sketch", {"off": {}})
     for name, off in sketch["off"].items():
@@ -76,7 +79,7 @@ def warning_words(facts: Facts, written: Callable[[float], str]) -> Iterator[str
 
 
 def _structure_words(structure: str) -> str:
-    """The groups in their order, the middle of a long one left out."""
+    """The groups in their order as text, the middle of a long one left out."""
     groups = structure.split(" -> ")
     if len(groups) <= MOST_GROUPS:
         return structure
@@ -84,7 +87,7 @@ def _structure_words(structure: str) -> str:
 
 
 def _range_words(found: Facts) -> Pairs:
-    """Where the driver can go, and the change points that it passes."""
+    """Yield where the driver can go, and the change points that it passes."""
     if found["is_full_turn"]:
         yield "crank", "turns fully"
     else:
@@ -96,7 +99,7 @@ def _range_words(found: Facts) -> Pairs:
 
 
 def _transmission_words(dyads: Mapping[str, Facts]) -> Pairs:
-    """The least transmission angle of each dyad, the least first."""
+    """Yield the least transmission angles of the five worst dyads, the least first, and how many more there are."""
     for name, one in sorted(dyads.items(), key=lambda dyad: dyad[1]["least"])[:MOST_DYADS]:
         good = f"; {math.degrees(BINDS):g}° or more from {' to '.join(one['good_from_to'])}" if one["good"] else ""
         yield "transmission", f"{math.degrees(one['least']):.1f}° at least in {name}, at {one['where']}{good}"
@@ -105,7 +108,7 @@ def _transmission_words(dyads: Mapping[str, Facts]) -> Pairs:
 
 
 def _mass_words(loads: Facts) -> str:
-    """Which links have mass and inertia, and what can be computed for that."""
+    """Which links have mass and inertia, and what can be computed for that, in words."""
     if len(loads["without_mass"]) == loads["links"]:
         return f"none: kinematics alone{'' if loads['is_idle'] else ', and the torques and forces of the loads'}"
     heavy = f"all but {listed(loads['without_mass'])}" if loads["without_mass"] else "of all links"
@@ -114,7 +117,7 @@ def _mass_words(loads: Facts) -> str:
 
 
 def _load_words(loads: Facts) -> str:
-    """The loads by their kinds, and the output."""
+    """The loads by their kinds, and the output, in words."""
     counts = [(loads[kind], kind.replace("_", " ")) for kind in LOADS if loads[kind]]
     kinds = [f"{count} {name[:-1] if count == 1 else name}" for count, name in counts]
     output = f"output {loads['output']}: S, v, a" if loads["output"] else "no output: without S, v and a"
@@ -122,7 +125,7 @@ def _load_words(loads: Facts) -> str:
 
 
 def _accuracy_words(facts: Facts) -> Pairs:
-    """How well the joints close, and the bounds of the closed form's error."""
+    """Yield how well the joints close, and the bounds of the closed form's error."""
     turns, bound = "range" not in facts or facts["range"]["is_full_turn"], facts["error_bound"]
     where = "whole turn" if turns else "range, up to 2 % from its ends"
     yield "closure", f"joints closed to {facts['closure_error']:.1e} m over the {where}"
@@ -134,10 +137,10 @@ def _accuracy_words(facts: Facts) -> Pairs:
 
 
 def _turn_words(facts: Facts) -> Pairs:
-    """The reduced inertia of a full turn, the output's travel, and the angles of rest."""
+    """Yield the reduced inertia of a full turn, the output's travel, and the angles of rest, as far as there are."""
 
     def angle(value: float, digits: int = 1) -> str:
-        """An angle, rad, in words."""
+        """An angle, rad, in degrees within a turn, as text."""
         return within_turn(math.degrees(value), digits)
 
     if "Jeq" in facts:
@@ -154,7 +157,7 @@ def _turn_words(facts: Facts) -> Pairs:
 
 
 def _printed_words(printed: Facts) -> str:
-    """How many of the sources' figures are reproduced."""
+    """How many of the sources' figures are reproduced, or why none can be computed, in words."""
     if "fault" in printed:
         return f"the figures of the sources cannot be computed: {printed['fault']}"
     near = f", {printed['near']} within 6 %" if printed["near"] else ""

@@ -41,7 +41,7 @@ from reports.records import View, anchor, views
 
 
 def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> Section:
-    """The section on the thread: its contour in the plane, its feed, and the required feed."""
+    """The section on the thread: its contour in the plane, its feed, and the required feed, if there is one."""
     angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
     caption = f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
     drawing = partial(thread_figure, sheet.linkage, positions, thread)
@@ -53,7 +53,7 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
 
 
 def _plot_feed(sheet: Sheet, figure: Figure) -> None:
-    """Draw the thread's feed over the motion, and the required one if the file has it."""
+    """Draw the thread's feed over the motion, and the required one if the file has it and φ is the axis."""
     unit, axes = sheet.file_unit_of("m"), figure.subplots()
     axes.plot(sheet.x, sheet.y("thread_feed"), color=PALETTE[1], label="feed")
     if sheet.required and sheet.axis == "phi":
@@ -126,7 +126,7 @@ def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
 
 
 def _verdict(results: CampaignResults | None) -> tuple[Part, ...]:
-    """The parts with the verdict on a judged file and its causes; none without one."""
+    """The parts with the verdict on a judged file and its causes; () without one."""
     words = results.document.get("judgement", []) if results else []
     return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
 
@@ -139,13 +139,16 @@ def _views_of(sheet: Sheet, results: CampaignResults | None) -> list[View]:
 
 
 def _errors(sheet: Sheet, results: CampaignResults | None) -> Iterator[Part]:
-    """Parts with every error of the engines on the mechanism, and with their curves."""
+    """Yield the chart with every error of the engines on the mechanism and their curves; nothing without results."""
     for view in _views_of(sheet, results):
         yield from errors_chart_widget(view)
 
 
 def _first_look(sheet: Sheet) -> Iterator[Part]:
-    """The parts at the top: the linkage in motion, to pull at where it can be computed, and key figures."""
+    """Yield the parts at the top: the linkage in motion, to pull at where it can be computed, and key figures.
+
+    Without a motion there are the reason and the facts.
+    """
     if sheet.positions is None:
         yield Cards((Card("The mechanism", (*designer.sentences(sheet, "values"), designer.facts(sheet))),), wide=True)
         return
@@ -160,7 +163,7 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
 
 
 def _sections(sheet: Sheet, results: CampaignResults | None) -> Iterator[Section]:
-    """The designer's sections, then the engines'; for a judged file its errors come first."""
+    """Yield the designer's sections, then the engines'; for a judged file its errors come first."""
     engines = [engines_section(view) for view in _views_of(sheet, results)]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
