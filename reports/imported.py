@@ -151,7 +151,7 @@ def _worst_place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
-    """The cells of one signal: error, limit by rounding, and both values where the error is largest."""
+    """The cells of one signal: error, limit by rounding, time, ``place`` and both values where it is worst."""
     sign, unit, value = RUNS[verdict.outcome.value], verdict.unit, verdict.unit_value
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.time) else 0.0

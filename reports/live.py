@@ -201,7 +201,7 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, A
         arrows |= _pair(f"load:{n}", np.broadcast_to(np.array([c * x - s * y, s * x + c * y]), (2, len(phi))))
 
     def curve(name: str) -> Array:
-        """A signal (n,) at the instants: a link's angle, a point's coordinate, or one of the sheet."""
+        """A signal (n,), SI, at the instants: a link's angle, a point's coordinate, or one of the sheet's."""
         kind, _, rest = name.partition(":")
         if kind == "link":
             return np.asarray(sweep.angles(rest.removesuffix(":angle")))

@@ -81,7 +81,7 @@ class View:
         return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
 
     def of(self, regime: Regime) -> tuple[Error, ...]:
-        """Records and invariants of a regime."""
+        """Records and invariants of a regime, in the order of ``records``."""
         return tuple(record for record in self.records if record.regime == regime.name)
 
     def runs(self, regime: Regime) -> list[list[Error]]:
@@ -106,21 +106,30 @@ class View:
         return " ".join(filter(None, (symbol, words or title(quantity))))
 
     def curved(self, regime: Regime, quantity: str) -> list[Error]:
-        """The records of a quantity under a regime whose runs stored a curve of it."""
+        """The records of a quantity under a regime that have an error, whose runs stored a curve.
+
+        [] for an invariant.
+        """
         mine = self.of(regime) if quantity not in self.invariants else ()
         return [record for record in mine if record.quantity == quantity and record.error_max is not None]
 
     def shown_setting(self, regime: Regime) -> str:
-        """The setting whose curves are shown first: tuned if any run of the regime at it gave one; "" without any."""
+        """The setting shown first: tuned if any run of the regime at it has an error, else the finest.
+
+        "" without any.
+        """
         ran = {record.setting for record in self.of(regime) if record.error_max is not None}
         return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
 
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
-        """The curves of a quantity under a regime, of every run that gave one."""
+        """The curves of a quantity under a regime, of every run that gave one; [] without any."""
         return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _read_trace(self, regime: Regime, record: Error) -> Trace:
-        """The curve of a record, with NaN as error at jumps of the acceleration that the quantity follows."""
+        """The curve of a record under a regime; its error is NaN at jumps that the quantity follows.
+
+        These are jumps of the crank's acceleration.
+        """
         time, angle, reference, beyond = self.results.curve(record.run, record.quantity).astype(float)
         error = np.abs(beyond) / (record.peak or 1.0)
         if regime.motion and holds_acceleration(record.quantity):
@@ -134,7 +143,7 @@ def views(results: CampaignResults) -> tuple[View, ...]:
 
 
 def anchor(*names: str) -> str:
-    """Names joined to an identifier that links within the page point to."""
+    """Names joined by dashes to an identifier that links within the page point to."""
     return re.sub(r"\W+", "-", "-".join(names))
 
 
@@ -144,7 +153,7 @@ def family(quantity: str) -> str:
 
 
 def family_title(quantity: str) -> str:
-    """A family's symbol or, without one, its name for a reader."""
+    """The symbol of a quantity's family or, without one, its name for a reader."""
     name = family(quantity)
     return SYMBOLS.get(name, plain(name))
 
@@ -167,7 +176,7 @@ def holds_acceleration(quantity: str) -> bool:
 
 
 def engines(results: CampaignResults) -> tuple[str, ...]:
-    """Names of all requested engines, sorted: an engine keeps its colour within a report."""
+    """Names of all engines with records, sorted: an engine keeps its colour within a report."""
     return tuple(sorted({record.engine for record in results.records}))
 
 
@@ -190,7 +199,7 @@ class Look(NamedTuple):
 
 
 def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look]:
-    """The look (colour and symbol) of each engine, by name; controls are muted. Fewer than 43 all differ."""
+    """The look of each engine, by name in order; controls are muted. Fewer than 43 all differ."""
     return {
         name: Look("muted" if name in controls else f"c{n % COLOURS}", *SHAPES[n % len(SHAPES)])
         for n, name in enumerate(sorted(names))
@@ -203,7 +212,7 @@ def setting_rank(setting: str) -> int:
 
 
 def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Families of quantities, and names of invariants, in the order of their definition."""
+    """Families of quantities in the order of their definition, and names of invariants as they come."""
     table = dict.fromkeys(family(record.quantity) for record in results.records)
     known = [name for name in QUANTITIES if name in table]
     quantities = (*known, *(name for name in table if name not in known))
@@ -211,7 +220,7 @@ def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def worst(records: Iterable[Error]) -> Error:
-    """The record that uses most of its limit among those of one family and run; one without an error is worst."""
+    """The record that uses most of its limit; one without an error is worst. Raises ValueError without records."""
     return max(records, key=lambda record: np.inf if record.error_max is None else share(record))
 
 
@@ -228,7 +237,7 @@ def every_record(results: CampaignResults) -> tuple[Error, ...]:
     families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
 
     def rank(record: Error) -> tuple[int, int, str, int, int, str]:
-        """The sort key of a record: mechanism, regime, engine, setting, family, quantity."""
+        """The sort key of a record: mechanism and variant, regime, engine, setting, family, quantity."""
         run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
         return *run, families[family(record.quantity)], record.quantity
 
@@ -236,7 +245,7 @@ def every_record(results: CampaignResults) -> tuple[Error, ...]:
 
 
 def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
-    """Rows whose first ``heads`` cells are blank where they repeat those of the row before."""
+    """Yield rows whose first ``heads`` cells are blank where they repeat those of the row before, up to there."""
     before: tuple[TableCell | str, ...] = ()
     for row in rows:
         words = ("" if row[: n + 1] == before[: n + 1] else word for n, word in enumerate(row[:heads]))
@@ -248,7 +257,7 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
 
 
 def remedy(run: Iterable[Error]) -> str:
-    """Advice on a run with errors over their limits; "" if it has none."""
+    """Advice on a run with errors over their limits, by its setting; "" if it has none or is another tool's."""
     over = [record for record in run if record.error_max is not None and Verdict(record.outcome).failed]
     if not over or over[0].origin == IMPORTED:
         return ""
@@ -259,7 +268,7 @@ def remedy(run: Iterable[Error]) -> str:
 
 
 def _limit_and_reason(record: Error, limits: LimitTable) -> tuple[float, str]:
-    """The limit of a record and the reason for it; for another tool's results it is the user's own."""
+    """The limit of a record and the reason for it in words; for another tool's results it is the user's own."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
     table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine)
@@ -322,7 +331,7 @@ def _change_row(entry: Change, count: int = 1) -> tuple[str, ...]:
 
 
 def appeared_note(changes: Sequence[Change]) -> tuple[str, ...]:
-    """A line on results that were not recorded before, which is no failure; () without any."""
+    """A line on results that were not recorded before, which is no failure, as the only member; () without any."""
     new = [entry for entry in changes if not entry.fails]
     if not new:
         return ()
@@ -339,7 +348,10 @@ READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
 def origin_words(records: Sequence[Error], runs: int) -> str:
-    """The origin of a run's results in words: "1 run, read", "4 runs, extrapolated", "control"."""
+    """The origin of a run's results in words: "1 run, read", "4 runs, extrapolated", "control"; "" without any.
+
+    ``runs`` is the number of passes that were extrapolated.
+    """
     words = [record for record in records if record.origin]
     if not words:
         return ""
@@ -351,7 +363,7 @@ def origin_words(records: Sequence[Error], runs: int) -> str:
 
 
 def computed_or_shared(records: Sequence[Error]) -> str:
-    """The quantities that the adapter computes or shares with the reference, in words; empty without any."""
+    """The quantities that the adapter computes or shares with the reference, in words; "" without any."""
     families = {
         origin: ", ".join(dict.fromkeys(family(record.quantity) for record in records if record.origin == origin))
         for origin in (Origin.COMPUTED, Origin.PARTLY)
@@ -376,14 +388,14 @@ CONCURRENT_RUNS: Final = "runs at a time"  # how many ran side by side, each on 
 
 
 def environment_facts(environment: Mapping[str, str], leave_out: Container[str] = ()) -> list[tuple[str, str]]:
-    """Name and value of each fact; names in ``leave_out`` are given elsewhere."""
+    """Name and value of each fact, the versions in one; names in ``leave_out`` are given elsewhere."""
     first = [name for name in ("date", "machine", "hosts", "commit", CONCURRENT_RUNS) if name in environment]
     rest = [f"{name} {version}" for name, version in environment.items() if name not in first and name not in leave_out]
     return [*((name.capitalize(), environment[name]) for name in first), ("Versions", ", ".join(rest))]
 
 
 def concurrency_note(environment: Mapping[str, str]) -> str:
-    """A note on times: "while 4 ran" where runs were made side by side, else empty."""
+    """A note on times: "while 4 ran" where runs were made side by side, else ""."""
     return f"while {environment[CONCURRENT_RUNS]} ran" if CONCURRENT_RUNS in environment else ""
 
 

@@ -82,11 +82,14 @@ class Contents:
         return len(self.sheets) == 1 and self.comparison is None and self.bench is None and self.stress is None
 
     def file_of(self, sheet: Sheet) -> str:
-        """The file name of a mechanism's page; that of the first page if it is the only one."""
+        """The path of a mechanism's page in the folder; that of the first page if it is the only one."""
         return INDEX if self.is_single else mechanism_page.file_of(sheet)
 
     def links(self) -> tuple[PageLink, ...]:
-        """Links to the pages in reading order; raises LinkproofError where the folder has no data for any page."""
+        """Links to the pages in reading order, the first page first.
+
+        Raises LinkproofError where there is no data for any page.
+        """
         if self.is_single:
             return (PageLink(self.sheets[0].name, INDEX),)
         studies = ((BENCH, self.bench), (STRESS, self.stress))
@@ -106,7 +109,7 @@ class Contents:
         return (PageLink(INDEX_TITLE, INDEX), *page_links)
 
     def page(self, file: str) -> Page:
-        """The page with this file name, built from the folder's data."""
+        """The page with this file name, built from the folder's data; raises StopIteration for none."""
         if file == INDEX and not self.is_single:
             cost = bench_page.cost(self.bench) if self.bench is not None else ()
             return index(self.comparison, self.sheets, tuple(self._studies()), cost)
@@ -118,7 +121,7 @@ class Contents:
         return replace(mechanism_page.page(sheet, self.campaign), file=file)
 
     def _studies(self) -> Iterator[Words]:
-        """For each benchmark and stability map a link to its page, with a sentence."""
+        """Yield for the benchmark and the stability maps, if there are, a link to the page, with a sentence."""
         if self.bench is not None:
             yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
         if self.stress is not None:
@@ -132,10 +135,11 @@ WRITTEN: Final = "assets/written.txt"  # the files of the report, so that the ne
 
 
 def write_site(folder: Path, *, processes: int | None = None) -> Path:
-    """Write all pages of the data in a folder into it; returns the first page's path.
+    """Write all pages of the data in a folder, and the files they need, into it; returns the first page's path.
 
-    ``processes`` worker processes write, one per core by default; with 0, or if none can be started, this process
-    does. Raises LinkproofError where another command writes there.
+    Files of an earlier report that this one lacks are deleted. ``processes`` worker processes write, one per core by
+    default; with 0, or if none can be started, this process does. Raises LinkproofError where another command writes
+    there, and where there is no data.
     """
     contents = Contents(folder, _sheets(folder, processes))
     links = contents.links()
@@ -158,7 +162,10 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
 
 
 def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
-    """The data sheets of a folder's linkages: those of a campaign, and of the results that a designer added."""
+    """The data sheets of a folder's linkages: those of a campaign, then of results that a designer added.
+
+    A campaign's are made in ``processes``.
+    """
     added = [page_sheet(case, tuple(case.mechanism.linkage.released)) for case in load_cases(folder)]
     if not campaign.is_saved(folder):
         return tuple(added)
@@ -168,7 +175,10 @@ def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
 
 
 def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[str, ...]:
-    """Write one page; returns the names of its files. Garbage collection is off, which saves an eighth."""
+    """Write one page with its figures, or the summary; returns the names of its files.
+
+    Garbage collection is off meanwhile, which saves an eighth.
+    """
     gc.disable()
     try:
         if file == SUMMARY and contents.comparison is not None:

@@ -62,7 +62,7 @@ def axis_title(name: str) -> str:
 
 
 def value_words(value: float | None) -> str:
-    """A value of an axis as text, to three digits: 1e-6, 0.0123, 200, 1e4."""
+    """A value of an axis as text, to three digits: 1e-6, 0.0123, 200, 1e4; a dash for None."""
     if value is None:
         return ABSENT
     plain, short = printed(float(f"{value:.3g}")), bound(value)
@@ -70,12 +70,12 @@ def value_words(value: float | None) -> str:
 
 
 def border_words(border: Border) -> str:
-    """A border as text: "0.001, over limit at 7.2e-4"."""
+    """The values beside a border, and what is beyond it, as text: "0.001, over limit at 7.2e-4"."""
     return f"{value_words(border.inside.value)}, {border.outside.verdict.value} at {value_words(border.outside.value)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
-    """The verdicts with a column: all that occur, and always "missed"."""
+    """The verdicts with a column: all that occur, and always those of wrong motions."""
     count = stress.count()
     return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in WRONG_MOTIONS)
 
@@ -100,7 +100,7 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
 
 
 def _line_data(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
-    """A line of the map, JSON-ready: engine, usage, cells (None without a run) and its borders."""
+    """A line of the map, JSON-ready: engine, usage, cells (None without a run) at ``values``, and its borders."""
     cells = {result.value: _cell_data(result) for result in stress.lines[line]}
     borders = [border for border in stress.borders if border.inside.line == line]
     return {
@@ -119,7 +119,7 @@ def _cell_data(result: Cell) -> dict[str, Any]:
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:
-    """The index of the column whose left edge is the border."""
+    """The index of the column, of those with these ``values``, whose left edge is the border."""
     low, high = border.ends
     between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     rising = list(values) == sorted(values)
@@ -127,7 +127,10 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 
 
 def cell_facts(result: Cell) -> dict[str, str]:
-    """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions."""
+    """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions.
+
+    Those without words are left out.
+    """
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
         "Wrong" if result.wrong else "Reason": wrong.rstrip(". "),
@@ -169,7 +172,7 @@ RANKED = "tuned"  # the setting by which engines are ranked
 
 
 def summary(stress: Stress, macro: str) -> str:
-    """A summary by one macro of the sentences: runs, wrong motions flagged and missed, false alarms."""
+    """The sentences of one ``macro`` on runs, wrong motions flagged and missed, and false alarms."""
     count = stress.count()
     caught, missed, alarms = (count[verdict] for verdict in (*WRONG_MOTIONS, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
@@ -178,7 +181,7 @@ def summary(stress: Stress, macro: str) -> str:
 
 
 def ranking(stress: Stress) -> str:
-    """A sentence on how many cells of each engine are within limit, the best engine first.
+    """A sentence on how many cells of each engine are within limit, the best engine first; "" where none is judged.
 
     These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
     engine fails.
@@ -193,7 +196,10 @@ def ranking(stress: Stress) -> str:
 
 
 def verdict_facts(stress: Stress) -> Facts:
-    """The number of cells with each verdict, and its meaning; of "missed" the claim is that there are 0."""
+    """The number of cells with each verdict, and its meaning; verdicts that do not occur are left out.
+
+    Those of wrong motions always stand there: of "missed" the claim is that there are 0.
+    """
     count = stress.count()
     return Facts(
         tuple(
@@ -222,7 +228,7 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
-    """A table with a row per border; repeated cells are blank. ``name`` gives an axis its name."""
+    """A table with a row per border; repeated cells are blank. ``name`` gives an axis its title."""
     rows = blank_repeats(
         ((name(border.inside.axis), *border.inside.line[1:],
           TableCell(border_words(border), colour=SIGNS[border.outside.verdict].terminal))
@@ -231,7 +237,7 @@ def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
 
 
 def incident_table(results: Iterable[Cell]) -> Table:
-    """A table with a row per cell, its reason and its command.
+    """A table with a row per cell, its reason and its command, by engine.
 
     Of many cells only the first of each axis and engine is shown, with the number of the others.
     """
@@ -310,7 +316,7 @@ def page(stress: Stress) -> Page:
 
 
 def _maps(stress: Stress) -> Section:
-    """The section of the maps: the interactive map, each map as a figure, and the table of borders."""
+    """The section of the maps: the interactive map of the axes and the table of borders, if there are any."""
     maps = {axis: map_data(stress, axis) for axis in stress.axes}
     first, *others = maps
     data = {
@@ -325,7 +331,7 @@ def _maps(stress: Stress) -> Section:
 
 
 def _incidents(stress: Stress) -> Iterator[Part]:
-    """For each verdict a table of its cells, or a sentence that it does not occur."""
+    """Yield for each verdict a table of its cells, folded; last a sentence on those that do not occur."""
     cells = {stress_verdict: stress.of(stress_verdict) for stress_verdict in (*OPEN, StressVerdict.CAUGHT)}
     for verdict, results in cells.items():
         if results:

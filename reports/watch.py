@@ -32,7 +32,10 @@ from reports.mechanism.page import page
 
 
 def watch(mechanism: str, motion: Motion, *, opens: bool) -> None:
-    """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``."""
+    """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``; prints its address.
+
+    Raises LinkproofError for an installed linkage, and where there is no browser to open.
+    """
     file = _WatchedFile(mechanism, motion)
     try:
         browser = webbrowser.get() if opens else None
@@ -61,7 +64,10 @@ class _WatchedFile:
         self._fault = ""
 
     def page(self) -> Mapping[str, bytes]:
-        """The page's files by name, for the linkage file as it is now, with the state that identifies them."""
+        """The page's files by name, for the linkage file as it is now, with the state that identifies them.
+
+        They are built anew only when the file has changed.
+        """
         with self._lock:
             state = self._file_digest()
             if state.encode() != self._files["state"]:
@@ -69,7 +75,10 @@ class _WatchedFile:
             return self._files
 
     def save(self, text: str, state: str) -> None:
-        """Replace the file by a page's text, if its ``state`` is still current; raises LinkproofError."""
+        """Replace the file by a page's text, if its ``state`` is still current; raises LinkproofError if not.
+
+        So too if the file has a fault, or the text is no TOML. Line ends stay those of the file.
+        """
         with self._lock:
             if self._file_digest() != state:
                 raise LinkproofError(
@@ -89,7 +98,10 @@ class _WatchedFile:
         return "no file"
 
     def _build_files(self, state: str) -> dict[str, bytes]:
-        """The page's files by name; a fault in the linkage file is shown above the last good page."""
+        """The page's files by name, with this ``state``; a fault in the linkage file is shown above the last good page.
+
+        Notes fault and page.
+        """
         name = self.path.name
         self._fault = ""
         try:
@@ -142,7 +154,7 @@ class PageServer(ThreadingHTTPServer):
         self.address = self.site + self.folder
 
     def process_request(self, request: socket, client_address: object) -> None:  # type: ignore[override]
-        """Answer a request in a thread of its own; too many requests end the oldest unanswered."""
+        """Answer a request in a thread of its own; with too many open ones, end the oldest."""
         self._open[request] = None
         if len(self._open) > MOST_OPEN:
             with suppress(OSError):  # it has just ended
@@ -167,7 +179,7 @@ class _Request(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """Send a file of the page."""
+        """Send a file of the page, or that there is no such file; refuse a request that is not from this page."""
         name = self._requested_file()
         if name is not None:
             content = self.server.page().get(name or "index.html")
@@ -175,7 +187,7 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
-        """Save the text that a page sends, and answer whether that succeeded."""
+        """Save the text that a page sends, and answer whether that succeeded; refuse other requests."""
         name, length = self._requested_file(), self.headers.get("Content-Length", "")
         if name is None:
             return
@@ -191,7 +203,7 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(HTTPStatus.OK)
 
     def _requested_file(self) -> str | None:
-        """The requested file; None, after refusing, for a request that is not from this page."""
+        """The requested file, "" for the folder; None, after refusing, for a request that is not from this page."""
         folder, site, headers = self.server.folder, self.server.site, self.headers
         is_known = secrets.compare_digest(self.path[: len(folder)].encode(), folder.encode())
         if is_known and (headers.get_all("Host"), headers.get("Origin", site)) == ([site[len("http://") :]], site):
@@ -200,7 +212,7 @@ class _Request(BaseHTTPRequestHandler):
         return None
 
     def _send_response(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
-        """Send a status and content with the headers of every answer."""
+        """Send a status and content, of a MIME ``kind``, with the headers of every answer."""
         self.send_response(status)
         own = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
         for name, value in (HEADERS | own).items():

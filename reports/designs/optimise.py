@@ -173,7 +173,10 @@ class Optimisation(Study):
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """A sentence with the command by which an engine checks the new design."""
+        """A sentence with the command by which an engine checks the new design.
+
+        Its file comes first if not ``saved``.
+        """
         file = next((str(file) for file in saved if file.suffix.lower() == ".toml"), None)
         first = "" if file else "--save best.toml writes the new file; "
         command = shlex.join(["linkproof", "compare", file or "best.toml", *self.check_options])

@@ -207,7 +207,7 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
 
 
 def _links_section(sheet: Sheet) -> Section:
-    """The section on the links: a scheme, their data in the file's units, notes."""
+    """The section on the links: a scheme, their data in the file's units, shares of Jeq, notes, what is missing."""
     linkage = sheet.linkage
     units = [sheet.file_unit_of(si) for si in ("kg", "kg m²", "m")]
     head = ("link", *(f"{word}, {unit.on_page}" for word, unit in zip(("m", "J", "mass centre"), units, strict=True)))
@@ -233,7 +233,7 @@ def _scheme(sheet: Sheet) -> tuple[Card, ...]:
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
-    """The cells of a link: name, mass, inertia and mass centre, divided by these sizes of the file's units."""
+    """The cells of a link: name, mass, inertia and mass centre, in file units whose ``sizes`` are given."""
     mass, inertia, length = sizes
     least = ROUNDING * max(map(abs, link.centre))
     places = (0.0 if abs(value) <= least else value / length for value in link.centre)

@@ -29,7 +29,10 @@ def published_section(rows: Sequence[Row]) -> Section:
 
 
 def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> Table:
-    """The table of printed figures beside ours; ``named`` makes a quantity's name one for a reader."""
+    """The table of printed figures beside ours, a column for each variant.
+
+    ``named`` makes a quantity's name a reader's.
+    """
     variants, cells = _variants(rows), []
     for key in dict.fromkeys(map(_key, rows)):
         ours = {row["variant"]: row for row in rows if _key(row) == key}
@@ -42,7 +45,7 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
 
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
-    """The file's notes on figures, each once, after the first figure that has it."""
+    """The file's notes on figures, each once, after the first figure that has it; ``named`` makes names a reader's."""
     tables: dict[str, dict[str, None]] = {}
     for row in rows:
         if row["note"]:
@@ -59,12 +62,12 @@ def _variants(rows: Sequence[Row]) -> list[str]:
 
 
 def _key(row: Row) -> tuple[Any, ...]:
-    """The key that identifies a printed figure: quantity, value and source."""
+    """The key that identifies a printed figure: quantity, value and place in the source."""
     return row["quantity"], row["published"], row["source"]
 
 
 def _met_words(rows: Sequence[Row], variant: str) -> str:
-    """How many printed figures a variant reproduces, and how many it comes near, in words."""
+    """How many printed figures a variant reproduces and, if any, how many it comes near, in words."""
     signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
     near = f" and {signs.count('near')} within 6 %" if "near" in signs else ""
     return f"{variant} {signs.count('pass')} of {len(signs)} to the last printed digit{near}"
@@ -76,7 +79,7 @@ def _printed(row: Row) -> str:
 
 
 def _as_printed(row: Row) -> str:
-    """The printed value as text, with the zeros at its end, which tell its accuracy."""
+    """The printed value as text, with the zeros at its end, which tell its accuracy; without its unit."""
     value, digit = row["published"], 2.0 * row["half_digit"]
     if value and digit:
         digits = math.floor(math.log10(abs(value))) - round(math.log10(digit)) + 1
@@ -87,7 +90,7 @@ def _as_printed(row: Row) -> str:
 
 
 def _variant_cell(row: Row) -> TableCell:
-    """Our value beside a printed one: the sign of the verdict and the deviation in per cent."""
+    """Our value in the printed unit: with the sign of the verdict and the deviation in per cent, if it has one."""
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:

@@ -33,7 +33,7 @@ AT_OPEN_END: Final = "*"  # behind an extreme at an end of the motion beside a d
 
 
 def _angle(value: float, unit: FileUnit) -> str:
-    """An angle or length as text: degrees with two decimals, anything else with five digits."""
+    """A value in a unit as text: degrees with two decimals, anything else with five digits."""
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
@@ -49,7 +49,7 @@ def _unmarked(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure with its unit, as a page prints it."""
+    """A key figure with its unit, as a page prints it, marked if it is an extreme at an open end; a dash for none."""
     text, unit = _unmarked(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
     if text == ABSENT:
         return text
@@ -62,12 +62,12 @@ def _with_minus_sign(text: str) -> str:
 
 
 def jeq(sheet: Sheet, end: str) -> str:
-    """The mean, least or largest Jeq of a whole turn as text with its unit."""
+    """The "mean", least ("min") or largest ("max") Jeq of a whole turn as text with its unit."""
     return words(sheet, SignalFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
 
 def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """The place of a key figure on the axis, as text."""
+    """The place of a key figure on the axis, as text with its unit; "" without a place."""
     at = sheet.place_of(signal_figure)
     if at is None:
         return ""
@@ -77,7 +77,10 @@ def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) -> Table:
-    """A table of key figures, the numbers of one place side by side; ``named`` makes names those for a reader."""
+    """The table of key figures called ``name``, the numbers of one place side by side; it must have some.
+
+    ``named`` makes names those for a reader.
+    """
     whats, labels = HEADS[name]
     if sheet.is_linear:
         labels = tuple(label.replace("torque", "force") for label in labels)
@@ -93,13 +96,19 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
 
 
 def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
-    """The heads of the columns of places: angle or length and, unless φ is the axis, time."""
+    """The heads of the columns of places: angle or length and, unless φ is the axis, time before it.
+
+    ``at`` stands before each.
+    """
     phi = f"{at}φ {sheet.unit('phi').name}"
     return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 
 
 def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
-    """The cells of a key figure's place: the time, s, unless φ is the axis, then φ in the file's unit."""
+    """The cells of a key figure's place: the time, s, unless φ is the axis, then φ in the file's unit.
+
+    Dashes without one.
+    """
     if signal_figure.phi is None or (sheet.axis == TIME and signal_figure.time is None):
         return (ABSENT,) * len(places(sheet))
     phi = _angle(sheet.angle(signal_figure.phi), sheet.unit("phi"))
@@ -107,7 +116,7 @@ def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
 
 
 def required_table(sheet: Sheet) -> Table:
-    """The table of the thread's required feed, the actual one and their difference."""
+    """The table of the thread's required feed, the actual one and their difference, in the file's units."""
     length = sheet.file_unit_of("m")
     columns = [sheet.required[name] / length.size for name in ("required", "actual")]
     rows = [
@@ -119,7 +128,10 @@ def required_table(sheet: Sheet) -> Table:
 
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
-    """Rows of name, value with unit, and place: drive, output, largest forces, worst transmission angle."""
+    """Rows of name, value with unit, and place, as text: drive, mean Jeq, output, largest forces, least angle.
+
+    The angle is the least transmission angle. Those that the linkage lacks are left out.
+    """
     drive = [
         row
         for row in sheet.figures["drive"]
@@ -131,7 +143,7 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
 
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
-    """Key figures besides those of the drive."""
+    """Yield the key figures besides those of the drive, named for a reader."""
     yield from (replace(row, what=f"flywheel {row.what}") for row in sheet.figures["flywheel"])
     yield from (row for row in sheet.figures["output"] if row.signal in "va" or row.what == "stroke")
     forces = [row for row in sheet.figures["forces"] if row.unit == "N"]
@@ -163,5 +175,5 @@ def open_end_note(sheet: Sheet) -> str:
 
 
 def warning_texts(sheet: Sheet) -> list[str]:
-    """Sentences that warn of extremes at open ends and of probable slips of the file."""
+    """Sentences that warn of extremes at open ends and of probable slips of the file; [] without any."""
     return [*([open_end_note(sheet)] if sheet.open_end_warning else []), *warnings(sheet.linkage)]

@@ -42,7 +42,10 @@ class SelfTest:
 
 
 def engine_trials() -> list[SelfTest]:
-    """A short run of every engine, the run-up of one of the catalogue's linkages, in worker processes."""
+    """How a short run of every engine ended, the run-up of one of the catalogue's linkages, in worker processes.
+
+    Those that are not installed are there too.
+    """
     reasons = {adapter.name: why_unavailable(adapter) for adapter in engines(engine_names())}
     trial = CampaignRequest(
         (load(catalogue()[0]),),
@@ -58,7 +61,7 @@ def engine_trials() -> list[SelfTest]:
 
 
 def _trial_of_run(run: RunRecord) -> SelfTest:
-    """How an engine's short run ended: it works if the torque has an error."""
+    """An engine's short run as a SelfTest: it works if the torque has an error."""
     (torque,) = run.errors
     if torque.error_max is None:
         return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
@@ -67,7 +70,7 @@ def _trial_of_run(run: RunRecord) -> SelfTest:
 
 
 def machine_code_trial() -> SelfTest:
-    """Whether Numba compiles a function of one operation, as a SelfTest; None where it is not installed."""
+    """Whether Numba compiles a function of one operation, as a SelfTest, which says so where it is not installed."""
     if not machine_code.is_installed():
         return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
     trace, begin = OperationList(), time.perf_counter()
@@ -83,14 +86,14 @@ def machine_code_trial() -> SelfTest:
 
 
 def optional_packages() -> list[SelfTest]:
-    """Packages of the extras except engines, each with its version, or with the command that installs it."""
+    """Packages of the extras except engines, each as a SelfTest with its version, or the command that installs it."""
     matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
     named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
     return [_package_trial(package, extra) for package, extra in named.items() if extra not in engine_names()]
 
 
 def _package_trial(package: str, extra: str) -> SelfTest:
-    """A package's version, or the command that installs it."""
+    """A package's version, or the command that installs its extra, as a SelfTest."""
     try:
         return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:
@@ -98,7 +101,7 @@ def _package_trial(package: str, extra: str) -> SelfTest:
 
 
 def places() -> dict[str, str]:
-    """Files and folders that are read or written without being named by the user, in words."""
+    """Folders that are read or written without being named by the user, by what they are, in words."""
     import matplotlib as mpl  # noqa: PLC0415 - slow to import
 
     return {
@@ -111,7 +114,7 @@ def places() -> dict[str, str]:
 
 
 def engine_findings(adapter: Engine, processes: int | None = None) -> list[CheckResult]:
-    """The results of every check of an engine.
+    """The results of every check of an engine, made in ``processes`` worker processes.
 
     Raises LinkproofError if nothing can be checked, AdapterError for an engine that cannot be loaded.
     """

@@ -31,7 +31,7 @@ def listed_engines(names: Sequence[str]) -> Listing:
 
 
 def _describe_engine(adapter: Engine) -> dict[str, Any]:
-    """The abilities and read-outs of an engine, and the reason if it cannot be used here."""
+    """The abilities and read-outs of an engine, and the reason if it cannot be used here; JSON-ready."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else str(error)
     able = adapter.abilities
@@ -100,7 +100,10 @@ class EngineFindings(Study):
 
 
 def tried_engines() -> Listing:
-    """A trial of every engine and of the compiler, with the facts that a bug report needs."""
+    """A trial of every engine and of the compiler, with the facts that a bug report needs, as a Listing.
+
+    Its exit code is 1 if anything installed does not work.
+    """
     facts, tried, packages = environment(), engine_trials(), optional_packages()
     compiler, where = machine_code_trial(), places()
     trials = [*tried, compiler]

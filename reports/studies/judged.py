@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def failed_rows(records: Iterable[Error]) -> list[str]:
-    """A line for each of these records with its outcome and reason, for the error that ``check`` raises."""
+    """A line for each of these records, failed or not, with its outcome and reason."""
     return [
         f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
         f"{record.outcome}, {record.detail}"
@@ -60,7 +60,7 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about probable slips of the linkage's file."""
+        """Warnings about probable slips of the linkage's file; [] without any."""
         return list(warnings(self.model.linkage))
 
     def printout(self) -> Printout:
@@ -85,7 +85,7 @@ class Judgement(Study, ImportedJudgement):
         return self._run.rows(self._run.errors)
 
     def failures(self) -> Sequence[str]:
-        """The verdict, then a line for every signal that has not passed."""
+        """The verdict, then a line for every signal that has not passed, over the limit or undecided."""
         rows = failed_rows(record for record in self._run.errors if record.outcome != Verdict.PASSED)
         return [rendered(self.sentence()).strip(), *rows]
 

@@ -39,7 +39,7 @@ class Results(Study):
 
     @cached_property
     def sheet(self) -> Sheet:
-        """The sheet with signals and key figures."""
+        """The sheet with signals and key figures; raises LinkproofError where the linkage cannot make the motion."""
         return sheet(self.case, self.chosen)
 
     @cached_property
@@ -70,7 +70,7 @@ class Results(Study):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about extremes at open ends, and about probable slips of the file."""
+        """Warnings about extremes at open ends, and about probable slips of the file; [] without any."""
         return warning_texts(self.sheet)
 
     def printout(self) -> Printout:
@@ -96,13 +96,19 @@ class Results(Study):
         return pd.DataFrame(results_terminal.columns(self.sheet))
 
     def plot(self, figure: str | None = None) -> Figure:
-        """A figure of the scheme and the curves, or of one ``figure`` alone."""
+        """A figure of the scheme and the curves, or of one ``figure``, by name, alone.
+
+        Raises LinkproofError for an unknown one.
+        """
         from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
 
         return results_figure(page_sheet(self.case), figure)
 
     def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
-        """The content of a file with this suffix."""
+        """The content of a file with this suffix.
+
+        A .csv has the ``decimal`` mark, a picture the one ``figure`` or all.
+        """
         if suffix == ".csv":
             return results_terminal.csv_table(self.sheet, decimal)
         if suffix == ".xlsx":
@@ -118,7 +124,7 @@ class Results(Study):
         return super().content(suffix, figure=figure) if suffix in PICTURES else self.json()
 
     def write(self, folder: str | Path) -> Path:
-        """Save the case among those of a report's folder and write its pages; returns the linkage's page."""
+        """Save the case among those of a report's folder and write all its pages; returns the linkage's page."""
         from comparisons.trials.campaign.saved_linkages import save_case  # noqa: PLC0415 - figures cost a second
         from comparisons.trials.runs.files import claim  # noqa: PLC0415
         from reports.mechanism.page import file_of  # noqa: PLC0415

@@ -56,7 +56,10 @@ class Trials(Study):
 
     @classmethod
     def load(cls, folder: str | Path) -> Self:
-        """The study in a folder; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+        """The study in a folder, which keeps it; no engine is imported.
+
+        Raises LinkproofError if it is missing or damaged.
+        """
         return cls(cls.module.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
@@ -92,7 +95,10 @@ class Comparison(Trials):
         campaign.save(folder, self.results.document, self.results.runs)
 
     def with_files(self, record: str | Path | None, junit: str | Path | None) -> Comparison:
-        """The same comparison, after writing its rows and its verdicts for JUnit to these files."""
+        """A copy of the comparison that names these files, after writing its rows and its verdicts for JUnit to them.
+
+        None writes none.
+        """
         if record is not None:
             write_rows(self.results.rows, Path(record))
         if junit is not None:
@@ -118,7 +124,7 @@ class Comparison(Trials):
 
     @property
     def warnings(self) -> Sequence[str]:
-        """Warnings about probable slips of the linkages' files."""
+        """Warnings about probable slips of the linkages' files; [] without any."""
         return [text for linkage in self.results.linkages for text in warnings(linkage)]
 
     def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
@@ -152,11 +158,14 @@ class Comparison(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if a deciding record or a change fails, else 0; naive ones decide only if alone."""
+        """The exit code: 1 if a deciding record or a change fails, 3 for a fault of linkproof, else 0.
+
+        Naive records decide only if alone. Raises LinkproofError if nothing is judged.
+        """
         return campaign_exit_code(self.records, self.changes)
 
     def failures(self) -> Sequence[str]:
-        """A line for every error over its limit, every failed run, and what is not as it was recorded."""
+        """A count, then a line for every deciding error over its limit, failed run and failing change."""
         ours = [record for record in self.records if record.outcome == Verdict.SUITE_ERROR]
         failed = [record for record in deciding(self.records) if Verdict(record.outcome).failed]
         rows = failed_rows([*failed, *ours])
@@ -177,7 +186,10 @@ class Comparison(Trials):
         places = {(record.run, record.quantity): record for record in self.records}
 
         def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
-            """A field of the records over runs and quantities; ``lacking`` where there is no record."""
+            """A field of the records as the dataset's dimensions and a table over them.
+
+            ``lacking`` where there is no record.
+            """
             groups = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
             return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in groups]
 
@@ -207,12 +219,15 @@ class Script(Comparison):
         return f"wrote {self.written[0]}"
 
     def printout(self) -> Printout:
-        """Nothing, since the command names every file that it writes."""
+        """An empty printout, since the command names every file that it writes."""
         return Printout((), ())
 
 
 def check_files(record: str | Path | None, junit: str | Path | None) -> None:
-    """Raise LinkproofError for a file of a comparison that could not be written, before any work is done."""
+    """Raise LinkproofError for a file of a comparison that could not be written, before any work is done.
+
+    None is none.
+    """
     if record is not None:
         check_file("--record", Path(record), (".csv",))
     if junit is not None:
@@ -220,7 +235,10 @@ def check_files(record: str | Path | None, junit: str | Path | None) -> None:
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
-    """The value of a name, or the first one for None; raises UnknownNameError. ``what`` says what it names."""
+    """The value of a name, or the first one for None.
+
+    Raises UnknownNameError, StopIteration where nothing is ``known``. ``what`` says what it names.
+    """
     if name is not None and name not in known:
         raise UnknownNameError(what, name, known)
     return known[name] if name is not None else next(iter(known.values()))
@@ -255,7 +273,10 @@ class Benchmark(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if an engine finished no point without an excuse, else 0; may raise LinkproofError."""
+        """The exit code: 1 if an engine finished no point without an excuse, 3 for a fault of linkproof, else 0.
+
+        Raises LinkproofError if nothing finished.
+        """
         excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
         points = list(self.results.table.itertuples())
         useful = {point.engine for point in points if point.outcome in excused or point.detail == OUT_OF_TIME}
@@ -294,7 +315,10 @@ class StabilityMaps(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if the checks missed a wrong motion, else 0; may raise LinkproofError."""
+        """The exit code: 1 if the checks missed a wrong motion, 3 for a fault of linkproof, else 0.
+
+        Raises LinkproofError if nothing was judged.
+        """
         reasons = {cell.verdict: cell.reason for cell in self.results.cells}
         is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
         counts = Counter((verdict.value, reason) for verdict, reason in reasons.items())
@@ -304,7 +328,8 @@ class StabilityMaps(Trials):
 def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ()) -> int:
     """The exit code for judged records and changes; naive records count only without other settings.
 
-    Of ``changes`` since results were recorded those that fail count. Raises LinkproofError if no record is judged.
+    Of ``changes`` since results were recorded those that fail count. It is 3 for a fault of linkproof, 1 for a failure.
+    Raises LinkproofError if no record is judged.
     """
     naive, others = set[Verdict](), set[Verdict]()
     reasons: Counter[tuple[str, str]] = Counter()
@@ -320,9 +345,10 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
 
 
 def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
-    """The exit code: of a fault of linkproof, else of a failure, else 0; raises LinkproofError if nothing is judged.
+    """The exit code, 3 for a fault of linkproof, else 1 for a failure, else 0.
 
-    ``counts`` are those of outcomes that are not judged, each with its reason.
+    Raises LinkproofError if nothing is judged. ``counts`` are those of outcomes that are not judged, each with its
+    reason.
     """
     if is_ours or has_failed:
         return SUITE_ERROR if is_ours else FAILED
