@@ -8,7 +8,6 @@ import gc
 import math
 import os
 import re
-import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -19,11 +18,8 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.motion.case import Truth, scene
-from comparisons.trials.conformance.trial import case as sample_case
-from comparisons.trials.conformance.trial import scene_of
-from comparisons.trials.judging.limits import limit
 from comparisons.trials.runs.workers import LocalPool
-from engines.contract import Origin, Outcome, Setting
+from engines.contract import Outcome, Setting
 from engines.registry import engine, own_names
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.stepping.richardson import named_signals
@@ -373,28 +369,6 @@ def test_a_scene_that_an_engine_cannot_hold_is_unsupported_in_one_sentence(name,
     assert words in run.reason
 
 
-QUIET = """
-from analytic.description.crank_motion import crank_motion
-from engines.contract import Setting
-from engines.registry import engine, engine_names
-from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import driven
-model = driven(mechanism("fork-takeup"), crank_motion(ramp_time=0.01))
-print({engine(name).run(model, Setting.NAIVE).outcome.value for name in engine_names() if engine(name).version()})
-print(engine("mujoco").run_method(model, engine("mujoco").methods(model)[1], 0.1).outcome)
-"""
-
-
-@pytest.mark.nightly
-def test_no_engine_prints_or_leaves_a_file(tmp_path):
-    """In a run that finishes and, in MuJoCo, one that breaks."""
-    installed("mujoco")
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    command = [sys.executable, "-c", QUIET]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert (done.stdout, done.stderr, list(tmp_path.iterdir())) == ("{'finished'}\ndiverged\n", "", [])
-
-
 FIRST, MORE = 40, 100
 ALLOWED = 20_000  # bytes a run; what the interpreter and the allocator keep comes to less
 
@@ -491,22 +465,3 @@ def test_simbodys_forces_of_a_loop_on_moving_bodies_are_those_of_the_closed_form
 def test_in_simbody_sharp_linkages_and_fast_cranks_follow_the_closed_form(name, motion, limit):
     linkage = mechanism(name)
     assert torque_error(run_of(installed("simbody"), linkage, motion, Setting.TUNED), linkage, motion) < limit
-
-
-VARIANTS = ("mjx", "mujoco-warp")
-QUANTITIES = {"torque": "Mkr", "position": "S", "velocity": "v", "acceleration": "a"}  # all others are joints
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", VARIANTS)
-@pytest.mark.parametrize("sample", ["four-bar", "quick return", "damper"])  # a hinge is cut; a slot; a tendon
-def test_a_variant_of_mujoco_is_right_within_its_limits(name, sample):
-    history = history_of(installed(name), scene_of(sample))
-    errors = errors_of(history, sample_case(sample).mechanism, sample_case(sample).motion)
-    regime = sample_case(sample).motion.regime
-    bounds = {
-        key: limit(QUANTITIES.get(key.removeprefix("angular "), "joint_force"), "tuned", regime, name).value
-        for key in errors
-    }
-    assert {key: errors[key] for key in errors if errors[key] > bounds[key]} == {}
-    assert {signal.origin for signal in (history.torque, *history.joint_force.values())} == {Origin.READ}

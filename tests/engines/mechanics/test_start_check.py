@@ -121,24 +121,12 @@ ALL = Abilities(
     ("name", "less", "reason"),
     [
         ("juki-mf7923d", {"drives": frozenset({Free})}, "it takes no prescribed drive"),
-        (
-            "juki-mf7923d",
-            {"joints": frozenset({SlotJoint})},
-            "it has no slider joint, which slider joint 'needle_bar on",
-        ),
+        ("juki-mf7923d", {"joints": frozenset({SlotJoint})}, "it has no slider joint, which slider joint 'needle_bar"),
         ("scotch-yoke", {"joints": frozenset({SliderJoint})}, "it has no slot joint, which slot joint 'A in yoke'"),
-        (
-            "slotted-takeup",
-            {"loads": ALL.loads - {TurnDamper}},
-            "it has no turn damper, which turn damper on 'crank' and",
-        ),
+        ("slotted-takeup", {"loads": ALL.loads - {TurnDamper}}, "it has no turn damper, which turn damper on 'crank'"),
         ("spring-and-damper", {"loads": ALL.loads - {PointSpring}}, "it has no point spring, which point spring on"),
         ("force-over-angle", {"loads": ALL.loads - {AppliedForce}}, "it has no applied force, which applied force on"),
-        (
-            "force-over-angle",
-            {"varying_loads": False},
-            "it takes no load that changes with the crank angle, as applied",
-        ),
+        ("force-over-angle", {"varying_loads": False}, "it takes no load that changes with the crank angle, as"),
     ],
 )
 def test_what_goes_beyond_an_engines_abilities_is_said_in_one_sentence(name, less, reason):

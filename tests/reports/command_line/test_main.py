@@ -8,15 +8,13 @@ import re
 import signal
 import subprocess
 import sys
-from contextlib import chdir, suppress
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 
 from analytic.description.loading import load as load_linkage
-from analytic.description.loading import read
-from comparisons.trials.campaign.results import load
 from comparisons.trials.runs.files import STORE
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.api import campaign, trials
@@ -121,30 +119,12 @@ def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, e
     assert done.stderr.startswith(f"linkproof: {sentence}")
 
 
-@pytest.mark.skipif(os.name != "posix", reason="a folder in use cannot be deleted")
-def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
-    folder = tmp_path / "gone"
-    folder.mkdir()
-    with chdir(tmp_path):
-        os.chdir(folder)
-        folder.rmdir()
-        done = linkproof("check", NAME)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert "a working folder" in refused("results", NAME, "--save", "curves.csv")
-
-
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_stdout_is_one_sentence():
     with open("/dev/full", "w") as full:
         done = process("list", "--json", stdout=full)
     assert done.returncode == 2
     assert re.fullmatch("linkproof: cannot write to stdout: .*\n", done.stderr)
-
-
-@pytest.mark.skipif(os.name == "nt", reason="no such shell")
-def test_closed_streams_are_no_fault():
-    script = f'"{sys.executable}" -m reports.command_line.main list >&- 2>&-'
-    assert subprocess.run(["sh", "-c", script], cwd=ROOT, check=False).returncode == 0
 
 
 @pytest.mark.nightly
@@ -305,57 +285,3 @@ def test_a_folder_alone_means_its_own_unfinished_study(tmp_path):
     assert called(compare, **alone | {"engine": ("direct",)}) is None
     of_bench = {"mechanisms": (), "motion": Motion(), "engine": (), "quantity": (), "quick": False}
     assert called(bench, "bench", **of_bench | {"out": tmp_path, "announce": silent}) is None
-
-
-ON_WINDOWS = (
-    ("compare", "press.toml", "--engine", "direct", "--jobs", "0", "--out", "made", "--verbose"),
-    ("compare", "unix/press.toml", "--engine", "direct", "--jobs", "0", "--quiet", "--out", "other"),
-    ("list",),
-    ("engines",),
-    ("check", "press.toml"),
-    ("results", "press.toml"),
-)
-RUNNING = f"""
-import sys
-for name in ("resource", "fcntl", "termios", "pwd", "grp"):
-    sys.modules[name] = None
-import importlib, pkgutil, analytic, engines, comparisons, linkproof, reports
-for top in (analytic, engines, comparisons, linkproof, reports):
-    for module in pkgutil.walk_packages(top.__path__, top.__name__ + "."):
-        try:
-            importlib.import_module(module.name)
-        except ModuleNotFoundError as absent:  # an engine or a package that need not be installed
-            engines = "dartpy", "exudyn", "jax", "mujoco", "mujoco_warp", "opensim", "pinocchio", "pybullet"
-            engines = *engines, "pydrake", "pymunk", "pyondsel", "warp"
-            if absent.name not in engines:
-                raise
-from reports.command_line.main import main
-for words in {ON_WINDOWS}:
-    sys.argv = ["linkproof", *words]
-    try:
-        main()
-    except SystemExit as end:
-        if end.code:
-            sys.exit(f"{{words}} ended with {{end.code}}")
-"""
-
-
-@pytest.mark.nightly
-def test_commands_run_without_posix_and_a_text_with_other_line_ends_is_the_same_linkage(tmp_path):
-    """A linkage file as an editor on Windows saves it, and one with line ends of Unix; no text in a local encoding."""
-    text = read("juki-mf7923d").text
-    (tmp_path / "press.toml").write_bytes(text.replace("\n", "\r\n").encode())
-    (tmp_path / "unix").mkdir()
-    (tmp_path / "unix" / "press.toml").write_text(text, encoding="utf-8", newline="\n")
-    environment = {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "cp1252", "LINKPROOF_WORKER_START": "spawn"}
-    done = subprocess.run(
-        [sys.executable, "-X", "warn_default_encoding", "-c", RUNNING],
-        capture_output=True, encoding="cp1252", check=False, cwd=tmp_path, env=os.environ | environment,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    warnings = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and str(ROOT) in line]
-    assert [line for line in warnings if "site-packages" not in line] == []  # an environment may lie within the tree
-    assert "passed" in done.stdout
-    documents = [load(tmp_path / folder).document for folder in ("made", "other")]
-    first, second = ([row["checksum"] for row in document["descriptions"]] for document in documents)
-    assert first == second

@@ -1,7 +1,6 @@
 """The page of a mechanism: figures in the units of the file, the thread, released cranks, samples of a motion."""
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,7 +13,7 @@ from comparisons.designer.curves import SignalFigure
 from comparisons.motion.case import Case
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
 from reports.live import live_widget
-from reports.mechanism.page import file_of, page, released_section, thread_section
+from reports.mechanism.page import page, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.made_up import made_up_results, unpacked
@@ -72,12 +71,6 @@ def test_every_linkage_has_a_page_whose_figures_have_files_of_their_own(name):
     assert found.file == f"mechanisms/{linkage.name}.{linkage.variant}.html"
 
 
-def test_its_file_needs_no_quoting_whatever_a_variant_is_called():
-    sheet = sheet_of("juki-mf7923d")
-    odd = replace(sheet, linkage=replace(sheet.linkage, name="my yoke", variant='50% "#1"'))
-    assert file_of(odd) == "mechanisms/my-yoke.50-1-.html"
-
-
 def test_without_masses_a_sentence_stands_for_torque_and_forces():
     text = piston_text().replace(f"mass = {MASS}", "mass = 0").replace("inertia = 1e-3", "inertia = 0")
     found = page_of(text)
@@ -107,12 +100,6 @@ def test_of_a_judged_file_the_verdict_is_first_and_its_errors_come_before_the_de
     assert found.parts[0] == Paragraph("Not right.", "verdict")
     assert found.parts[1].items == ("Mkr has the other sign.",)
     assert found.sections[0].key == "engines"
-
-
-def test_of_a_campaign_the_engines_come_last_and_only_on_the_pages_of_what_they_ran():
-    campaign = made_up_results(samples=101)
-    assert [one.key for one in page(sheet_of("juki-mf7923d"), campaign).sections][-1] == "engines"
-    assert not section(page(sheet_of("fork-takeup"), campaign), "engines")
 
 
 # The thread and released cranks on their pages.

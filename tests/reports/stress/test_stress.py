@@ -12,7 +12,6 @@ from reports.stress import (
     MOST_OPEN,
     OPEN,
     SIGNS,
-    cell_details,
     cell_facts,
     incident_table,
     map_data,
@@ -105,13 +104,3 @@ def test_the_terminal_has_counts_borders_and_what_was_missed():
     assert "✗ missed" in text
     assert "last within, first beyond" in text
     assert "last within" not in told(cells_of([StressVerdict.WITHIN]))
-
-
-def test_the_details_of_one_cell_are_complete():
-    (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
-    text = rendered(cell_details(caught))
-    assert text.startswith(f"{caught.key}: caught")
-    assert caught.reason in text
-    assert "10 steps" in text
-    every = rendered(*printout(STRESS).details)
-    assert all(result.key in every for result in STRESS.results)

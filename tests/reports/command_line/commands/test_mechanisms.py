@@ -169,16 +169,3 @@ def test_every_number_has_the_value_and_the_unit_of_the_file():
     numbers = _listed("numbers")[1]
     expected = {"crank.A.x": (15.5, "mm"), "coupler.mass": (0.03, "kg"), "gravity.y": (-9.81, "m/s^2")}
     assert {**expected, "output.along.y": (1.0, "")}.items() <= numbers.items()
-
-
-@pytest.mark.parametrize(
-    ("words", "answer"),
-    [
-        (("sweep", "juki-mf7923d", "--vary", "cuopler.mass=1:2:3"), "did you mean 'coupler.mass'"),
-        (("sweep", "juki-mf7923d", "--vary", "coupler.mass=1:2:3", "--quantity", "torque"), "did you mean 'Mkr.peak'"),
-        (("optimise", "juki-mf7923d", "--over", "mas=1:2", "--minimise", "a.peak"), "`linkproof list MECHANISM`"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
-)
-def test_a_wrong_name_is_answered_with_the_nearest(words, answer):
-    assert answer in refused(*words)
