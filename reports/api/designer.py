@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
     from reports.designs.linkages import Check, New
     from reports.designs.optimise import Optimisation
+    from reports.designs.results import Results
     from reports.designs.shelves import Listing
     from reports.designs.sweep import DesignSweep, LazySweep
     from reports.designs.tolerance import Tolerance
     from reports.studies.judged import Judgement
-    from reports.studies.results import Results
 
 STILL = SteadyMotion()
 USUAL = Motion()
@@ -149,7 +149,7 @@ def results(
     from comparisons.designer.linkage_check import check_slips
     from reports.api.linkages import resolve
     from reports.api.motions import requested_results
-    from reports.studies.results import Results
+    from reports.designs.results import Results
 
     chosen, _, motion = resolve(mechanism, motion)
     if strict:

@@ -28,7 +28,7 @@ study_command(
     save="Draw the scheme (.svg .png .pdf .dxf) or write what is printed (.json); repeatable.",
 )  # fmt: skip
 study_command(
-    app, "results", designer.results, "decimal figure opens json quiet", study="reports.studies.results:Results",
+    app, "results", designer.results, "decimal figure opens json quiet", study="reports.designs.results:Results",
     out="Write a page with the linkage in motion into this folder.",
     save="Write every signal (.csv .json .xlsx), the pictures (.svg .png .pdf), or the scheme for CAD at the "
     "first instant of --at or --time, or as sketched (.dxf); repeatable.",

@@ -12,7 +12,7 @@ from openpyxl.cell import WriteOnlyCell
 from analytic.description.written import finite
 from analytic.errors import printable
 from comparisons.designer.sheet import Sheet
-from reports.designs.results_terminal import columns
+from reports.designs.results import columns
 
 Cell = str | float | None
 

@@ -14,8 +14,8 @@ from analytic.errors import LinkproofError
 from comparisons.designer.curves import Instants
 from comparisons.filejudge.reading import read_results
 from reports.charts.draw import picture
+from reports.designs.results import csv_table, document, printed
 from reports.designs.results_drawing import results_figure
-from reports.designs.results_terminal import csv_table, json_text, printed
 from reports.document.terminal import rendered
 from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, driven, from_text, mechanism
 from tests.commands import linkproof
@@ -46,7 +46,7 @@ def table(results):
 
 
 def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
-    metric, imperial = (json.loads(json_text(piston(*units))) for units in ((), IMPERIAL))
+    metric, imperial = (document(piston(*units)) for units in ((), IMPERIAL))
     assert list(metric) == ["conditions", "axis", "units", "values", "peaks", "figures", "warnings"]
     assert metric["axis"] == "phi"
     assert set(metric["values"]) == set(metric["units"]) == set(metric["peaks"])
@@ -61,8 +61,8 @@ def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
 
 
 def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
-    all_of_it = json.loads(json_text(piston()))
-    some = json.loads(json_text(results(engine(), chosen=np.array([0.01, 0.02]))))
+    all_of_it = document(piston())
+    some = document(results(engine(), chosen=np.array([0.01, 0.02])))
     assert len(some["values"]["Mkr"]) == 2
     assert some["peaks"] == all_of_it["peaks"]
 
@@ -106,7 +106,7 @@ def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
     found = piston(*IMPERIAL)
     (tmp_path / "t.csv").write_text(csv_table(found, ","), encoding="utf-8")
     read = read_results([tmp_path / "t.csv"], found.linkage, ())
-    signals = json.loads(json_text(found))["values"]
+    signals = document(found)["values"]
     assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}
     assert len(read.signals) > 40
     for one in read.signals:

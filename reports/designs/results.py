@@ -1,6 +1,6 @@
-"""Results for a terminal, as a tidy table and as JSON: key figures of a motion, or every signal at chosen instants.
+"""The results of one linkage: key figures or every signal at chosen instants in tables, files, and labelled arrays.
 
-Terminal and table are in the units of the linkage's file, JSON is in SI.
+Tables, CSV and workbook are in the units of the linkage's file; JSON and labelled arrays are in SI.
 """
 
 from __future__ import annotations
@@ -8,27 +8,148 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.written import plain
+from analytic.errors import UnknownNameError, symbol
+from analytic.numerics.arrays import Array
 from analytic.signals import COMPONENTS, MAGNITUDE, THREAD_FEED
+from comparisons.designer.building import page_sheet, sheet
 from comparisons.designer.curves import TIME
 from comparisons.designer.sheet import Sheet
+from comparisons.motion.case import Case
 from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table
-from reports.document.terminal import Printed
+from reports.document.study import PICTURES, Content, Study
+from reports.document.terminal import Printed, Printout
 from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places, required_table, warning_texts
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
 
 DRIVE_COLUMNS: Final = (
     ("omega", "epsilon", "Mkr", "Peq"),
     ("Teq", "Jeq", "S", "v", "a", THREAD_FEED),
 )  # of two tables
+
+
+@dataclass(frozen=True, repr=False)
+class Results(Study):
+    """Every signal of a linkage over a motion of its crank; ``chosen`` are the instants (n,), s, of the tables.
+
+    ``dataset`` is in SI, what is printed in the units of the file. ``save`` takes the ``decimal`` mark of a .csv, and
+    the one ``figure`` of a picture.
+    """
+
+    suffixes: ClassVar = (".csv", ".json", ".xlsx", *PICTURES, ".dxf")
+    case: Case
+    chosen: Array | None = None
+
+    @cached_property
+    def sheet(self) -> Sheet:
+        """The sheet with signals and key figures; raises LinkproofError where the linkage cannot make the motion."""
+        return sheet(self.case, self.chosen)
+
+    @cached_property
+    def _whole_sheet(self) -> Sheet:
+        """The sheet with the peaks of all signals, also of those without a table."""
+        return sheet(self.case, self.chosen, every_peak=True)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """The signals in SI over ``phi``, rad, where the crank turns at one speed, else ``time``, s.
+
+        The other stands beside it. Points, links, joints and groups are dimensions of their own, as are the components
+        x and y of a vector.
+        """
+        from reports.designs.labels import labelled  # noqa: PLC0415 - half a second that tables save
+
+        about = {"regime": self.case.motion.regime, "conditions": self.sheet.conditions}
+        if self.sheet.open_end_warning:
+            about["open_ends"] = self.sheet.open_end_warning
+        return labelled(self.sheet.linkage, self.sheet.axis, self.sheet.table, about)
+
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        """A variable of the dataset by symbol or word (``torque`` for ``Mkr``); raises UnknownNameError."""
+        known = self.dataset.variables
+        if symbol(name) not in known:
+            raise UnknownNameError("signal", name, map(str, known))
+        return self.dataset[symbol(name)]
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Warnings about extremes at open ends, and about probable slips of the file; [] without any."""
+        return warning_texts(self.sheet)
+
+    def printout(self) -> Printout:
+        """The printed tables of key figures, or of every signal at the chosen instants."""
+        return Printout(printed(self.sheet), ())
+
+    def sentence(self) -> Printed:
+        """The conditions of the motion, in a sentence."""
+        return self.sheet.conditions
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """The sheet as JSON prints it: SI, angles in rad."""
+        return document(self._whole_sheet)
+
+    def json(self) -> str:
+        """The JSON text in one line, since its lists are long."""
+        return json.dumps(self.to_dict(), ensure_ascii=False, allow_nan=False) + "\n"
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
+        """A DataFrame with a column per signal, by name and unit of the file, and a row per instant."""
+        import pandas as pd  # noqa: PLC0415
+
+        return pd.DataFrame(columns(self.sheet))
+
+    def plot(self, figure: str | None = None) -> Figure:
+        """A figure of the scheme and the curves, or of one ``figure``, by name, alone.
+
+        Raises LinkproofError for an unknown one.
+        """
+        from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
+
+        return results_figure(page_sheet(self.case), figure)
+
+    def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
+        """The content of a file with this suffix.
+
+        A .csv has the ``decimal`` mark, a picture the one ``figure`` or all.
+        """
+        if suffix == ".csv":
+            return csv_table(self.sheet, decimal)
+        if suffix == ".xlsx":
+            from reports.designs.results_workbook import workbook  # noqa: PLC0415 - half a second
+
+            return workbook(self.sheet)
+        if suffix == ".dxf":
+            from reports.designs.results_dxf import dxf  # noqa: PLC0415 - half a second
+
+            result = self.sheet
+            assert result.positions is not None
+            return dxf(result.linkage, result.positions, None if self.chosen is None else float(result.table["phi"][0]))
+        return super().content(suffix, figure=figure) if suffix in PICTURES else self.json()
+
+    def write(self, folder: str | Path) -> Path:
+        """Save the case among those of a report's folder and write all its pages; returns the linkage's page."""
+        from comparisons.trials.campaign.saved_linkages import save_case  # noqa: PLC0415 - figures cost a second
+        from comparisons.trials.runs.files import claim  # noqa: PLC0415
+        from reports.mechanism.page import file_of  # noqa: PLC0415
+        from reports.site import write_site  # noqa: PLC0415
+
+        out = Path(folder)
+        _claimed = claim(out)  # until the pages are written
+        save_case(out, self.case)
+        index, page = write_site(out, processes=0), out / file_of(self.case.mechanism.linkage)
+        return page if page.is_file() else index  # the only one
 
 
 def printed(sheet: Sheet) -> list[Printed]:
@@ -137,11 +258,6 @@ def csv_table(sheet: Sheet, decimal: str = ".") -> str:
     rows = ([f"{value:z.15g}" for value in row] for row in np.column_stack([*table.values()]).tolist())
     writer.writerows([cell.replace(".", decimal) for cell in row] for row in rows)
     return f"\ufeff{text.getvalue()}" if has_comma else text.getvalue()
-
-
-def json_text(sheet: Sheet) -> str:
-    """The document of a sheet as JSON in one line, with a line's end."""
-    return json.dumps(document(sheet), ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def document(sheet: Sheet) -> dict[str, Any]:
