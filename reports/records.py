@@ -185,7 +185,7 @@ SHAPES: Final = (
     *(("circle", "●"), ("square", "■"), ("diamond", "◆"), ("triangle-up", "▲"), ("triangle-down", "▼")),
     *(("cross", "✚"), ("x", "✖")),
 )
-COLOURS: Final = 6  # of the palette
+COLOURS: Final = 9  # of the palette
 # How a symbol looks at a setting; ``linkproof.controls.marker`` of the scripts draws it so.
 LOOKS: Final = {Setting.NAIVE.value: "open", Setting.TUNED.value: "filled", Setting.BEST.value: "outlined"}
 
@@ -199,10 +199,10 @@ class Look(NamedTuple):
 
 
 def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look]:
-    """The look of each engine, by name in order; controls are muted. Fewer than 43 all differ."""
+    """The look of each engine, by name in order, the controls last and muted. Up to 63 differ."""
     return {
         name: Look("muted" if name in controls else f"c{n % COLOURS}", *SHAPES[n % len(SHAPES)])
-        for n, name in enumerate(sorted(names))
+        for n, name in enumerate(sorted(names, key=lambda name: (name in controls, name)))
     }
 
 

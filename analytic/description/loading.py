@@ -233,6 +233,7 @@ SLIPS: Final = tuple(
         ("Expected newline", "", "more than a value behind =; units stand in [units], and a comment begins with #"),
         ("Illegal character '\\\\n'|Unterminated string", "", 'a text whose end is missing; close it with "'),
         ("Unclosed|Expected '\\]'", r"\[[^\]#]*[\d.]\s+[-+.\d]", "numbers without a comma between them; write [x, y]"),
+        ("Unclosed", r"[\]}\"\d]\s+\w+\s*=", "entries without a comma between them; write { A = [0, 0], B = [1, 0] }"),
         ("Unclosed|Expected '\\]'", "", "a bracket that is not closed; close it in the same line"),
         ("initial character for a key part", r"\{[^}]*$", "a table in braces of several lines; write it in one line"),
     )

@@ -25,8 +25,9 @@ from reports.document.templates import FOLDER
 Array = NDArray[np.float64]
 Host = Figure | SubFigure
 
-# Okabe and Ito, dark enough for words, for colour-blind readers, too; the closed form is always ink.
-PALETTE = ("#0072b2", "#c75300", "#00855f", "#aa4499", "#5b45c9", "#8a6b00")
+# Okabe and Ito first, dark enough for words, for colour-blind readers, too; the closed form is always ink.
+PALETTE = ("#0072b2", "#c75300", "#00855f", "#aa4499", "#5b45c9", "#8a6b00", "#007c91", "#c9205f", "#7a4a21")
+DARK_PALETTE = ("#4aa8e8", "#f08a3c", "#33c79a", "#e08ad2", "#a99cf5", "#d9b93b", "#3fb8cc", "#ff85ad", "#c99a6b")
 INK, MUTED, FAINT, REFERENCE = "#1d2733", "#5b6673", "#d8dde3", "#a9b3bf"
 LIMIT = "#a02020"
 PAPER, PLATE, GHOST = "#ffffff", "#e4e9ef", "#a8b8c8"  # behind a drawing, inside a link, what is faintly drawn
@@ -41,7 +42,7 @@ DARK = {
     PAPER: "#12171e",
     PLATE: "#2b333d",
     GHOST: "#4d5a68",
-    **dict(zip(PALETTE, ("#4aa8e8", "#f08a3c", "#33c79a", "#e08ad2", "#a99cf5", "#d9b93b"), strict=True)),
+    **dict(zip(PALETTE, DARK_PALETTE, strict=True)),
 }
 FONT, FONT_SIZE = "DejaVu Sans", 9.0
 STYLE = FOLDER / "figures.mplstyle"  # how figures look, and how they are written: colours, sizes, fonts

@@ -70,7 +70,7 @@ linkproof.bench = (() => {
     const log = { type: "log", exponentformat: "power", dtick: 1, tickfont: { size: 14 } };
     return { height: HEIGHT, showlegend: false, hovermode: "closest", margin: { l: 60, r: 70, t: 12, b: 48 },
       annotations: names(parts, range), xaxis: { ...log, title: { text: title } },
-      yaxis: { ...log, dtick: 2, range, title: { text: "largest |error| / peak" } } };
+      yaxis: { ...log, dtick: 2, range, title: { text: "largest |error| / peak", standoff: 12 } } };
   }
 
   return { drawn, traces, layout };

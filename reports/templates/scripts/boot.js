@@ -56,7 +56,7 @@ window.linkproof = (() => {
 
   function colours() {
     const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(`--${name}`).trim();
-    const found = { c: [0, 1, 2, 3, 4, 5].map((number) => named(`c${number}`)) };
+    const found = { c: [0, 1, 2, 3, 4, 5, 6, 7, 8].map((number) => named(`c${number}`)) };
     for (const name of ["ink", "muted", "line", "faint", "paper", "limit", "reference"]) found[name] = named(name);
     return found;
   }

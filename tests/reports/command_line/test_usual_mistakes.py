@@ -14,6 +14,7 @@ TORQUE = '\n[[torques]]\nlink = "rocker"\ntorque = 500\n[[springs]]'
 REFUSED = {
     "comma in a point": ("O2 = [60, 0]", "O2 = [60,5, 0]", ":6: ground.O2", "write decimals with a dot"),
     "no comma in a point": ("O2 = [60, 0]", "O2 = [60 0]", ":6: ", "without a comma between them; write [x, y]"),
+    "no comma in a table": ("A = [0, 0], B", "A = [0, 0] B", ":15: ", "entries without a comma between them"),
     "gear": ("[links.rocker]", "[gears.one]\nratio = 2\n[links.rocker]", ":20: gears", "'What linkproof cannot do'"),
     "comma in a number": ("mass = 0.15", "mass = 0,15", ":16: ", "write a dot, such as 0.3"),
     "point twice": ("B = [60, 0], P", "B = [60, 0], B = [6, 0], P", ":15: ", "'B' is written twice; leave one out"),
