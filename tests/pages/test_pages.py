@@ -89,3 +89,16 @@ def test_a_page_is_legible_on_a_phone_at_night(chromium, report, name):
     with opened(chromium, report / name, WIDTHS[1], "dark") as look:
         facts = look.facts()
         assert (facts["overflow"] <= 0, facts["small"], look.grave()) == (True, [], [])
+
+
+def test_a_printed_page_names_the_engines_of_its_dots_and_has_no_controls(chromium, report):
+    with opened(chromium, report / MECHANISM) as look:
+        look.page.emulate_media(media="print")
+        assert look.page.get_by_role("group", name="Engines").inner_text().split() == [
+            "Engines",
+            "●",
+            "alpha",
+            "■",
+            "beta",
+        ]
+        assert look.page.locator("select:visible, input:visible, button:visible").count() == 0
