@@ -201,12 +201,16 @@ def test_values_of_a_slider_crank_are_those_of_its_triangle(quantity, speed, exp
         ("point:C:x.max", None, LinkproofError, "unknown figure 'point:C:x.max': did you mean '"),
         ("link:rod:omega.peek", None, LinkproofError, r"did you mean 'link:rod:omega\.peak'"),
         ("range.low", None, LinkproofError, "its crank turns fully"),
-        ("joint_force.peak", None, LinkproofError, r"expected one figure, got 'joint_force\.peak', which is several"),
     ],
 )
 def test_what_cannot_be_computed_is_refused_in_a_sentence(quantity, regime, error, message):
     with pytest.raises(error, match=message):
         value(from_text(SLIDER_CRANK), quantity, regime=regime)
+
+
+def test_a_name_of_several_figures_is_refused():
+    with pytest.raises(LinkproofError, match=r"expected one figure, got 'joint_force\.peak', which is several"):
+        value(mechanism("rimoldi-164"), "joint_force.peak")
 
 
 def test_figures_of_a_mechanism_alone():
