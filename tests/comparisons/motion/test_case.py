@@ -14,7 +14,6 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.dead_centres import top_dead_centre, top_of_turn
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designer.building import usual_case
 from comparisons.motion.case import Case, zero_of_output
 from comparisons.trials.invariants.checks import checks
 from comparisons.trials.judging.quantities import all_quantities
@@ -25,7 +24,7 @@ from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Scene
-from tests.analytic.linkages import double_rocker, driven, from_text
+from tests.analytic.linkages import double_rocker, driven
 
 MOTIONS = {
     "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),
@@ -35,25 +34,6 @@ MOTIONS = {
 }
 LINEAR = ("boom", "cylinder-in-the-loop", "linear-motor")
 BLANK = Error("sample", "base", "there", "", "direct", "tuned")
-
-
-CROSSED = """
-title = "a pin in the slot of the crank and on a guide of the ground"
-units = {{ length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }}
-crank = "crank"
-output = {{ point = "D", along = [{0}, {1}] }}
-[ground]
-O = [0, 0]
-[links.crank]
-points = {{ O = [0, 0], A = [50, 0] }}
-[links.block]
-slides = {{ point = "D", on = "crank", through = [0, {offset}], along = [1, 0] }}
-[links.slide]
-slides = {{ point = "D", through = [0, 100], along = [{cosine}, {sine}] }}
-[sketch]
-angle = 89
-points = {{ D = [0, 100] }}
-"""
 
 
 def test_a_crank_that_turns_fully_counts_from_its_top_dead_centre_whatever_it_does():
@@ -76,23 +56,6 @@ def test_a_crank_that_cannot_counts_from_the_farthest_point_of_the_motion():
     short = swing("cycloidal", math.radians(50.0), math.radians(65.0), time=0.3)
     ends = mechanism.sweep([math.radians(50.0), math.radians(65.0)]).output()
     assert zero_of_output(mechanism, short) == pytest.approx(max(ends), rel=1e-15)
-
-
-@pytest.mark.parametrize(("along", "offset"), [((1, 0), 0), ((0.6, 0.8), -30)])
-def test_parallel_guides_between_two_steps_leave_no_full_turn(along, offset):
-    """From (0, h) the slot crosses a guide at β after (offset - h cos φ) / sin(β - φ), without a bound at β."""
-    tilt = 0.2
-    text = CROSSED.format(*along, offset=offset, cosine=math.cos(tilt), sine=math.sin(tilt))
-    mechanism = from_text(text)
-    case = usual_case(mechanism)
-    assert top_of_turn(mechanism) is None
-    low, high = case.reach
-    assert tilt < low < high < tilt + math.pi
-    phi = np.linspace(low, high, 20_001)
-    way = (1e-3 * offset - 0.1 * np.cos(phi)) / np.sin(tilt - phi)
-    place = along[0] * way * math.cos(tilt) + along[1] * (0.1 + way * math.sin(tilt))
-    assert zero_of_output(mechanism, case.motion) == pytest.approx(np.max(place), rel=1e-6)
-    assert zero_of_output(mechanism, case.motion) >= np.max(place) * (1.0 - 1e-12)
 
 
 def ran(case: Case) -> tuple[Scene, History]:
