@@ -1,6 +1,5 @@
 """Signals by name: their units, and their values against textbook formulas and a second Newton-Euler balance."""
 
-import math
 from dataclasses import replace
 
 import mpmath as mp
@@ -96,15 +95,10 @@ def test_every_name_has_a_unit_and_a_value_at_every_instant():
 UNITS = {"rad", "rad/s", "rad/s²", "N m", "W", "J", "kg m²", "m", "m/s", "m/s²", "N"}
 
 
-def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_where_it_gets_to():
-    rocker = from_text(DOUBLE_ROCKER)
-    swing = CrankMotion("swing", (Segment(0.0, 0.1, (math.radians(60), math.radians(200))),))
-    assert not {"S", "v", "a"} & {*names(rocker)}
+def test_without_an_output_there_is_no_s():
+    assert not {"S", "v", "a"} & {*names(from_text(DOUBLE_ROCKER))}
     with_output = from_text('output = { point = "C", along = [1, 0] }\n' + DOUBLE_ROCKER)
     assert evaluate(with_output, [], ["S"])["S"].shape == (0,)
-    displacement = signal(Case(with_output, swing).at(np.linspace(0.0, 0.1, 2001)), "S")
-    assert np.min(displacement) == 0.0
-    assert np.max(displacement) > 0.0
 
 
 def test_a_linkage_without_mass_and_loads_has_no_torques_and_forces():

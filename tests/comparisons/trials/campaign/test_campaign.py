@@ -230,15 +230,6 @@ def test_only_angles_that_the_crank_passes_matter():
     assert {record.outcome for record in result.errors} == {"passed"}
 
 
-def test_the_output_is_compared_where_the_crank_cannot_turn_fully():
-    linkage = dataclasses.replace(SHORT, regimes=(SWING,))
-    request = _request(linkages=(linkage,), motions=(PART,), engines=("direct",), own_regimes=("swing",))
-    results = list(compare(request, pool=LocalPool(0)))
-    assert [result.regime for result in results] == ["constant-speed", "swing"]
-    for result in results:
-        assert {r.outcome for r in result.errors if r.quantity in ("S", "v", "a")} == {"passed"}
-
-
 def _brief(**changes):
     """A request of real runs: two motions and two settings of the direct engine, and a released crank."""
     settings = (Setting.NAIVE, Setting.TUNED)
