@@ -59,13 +59,20 @@ class LinkageInMotion(ABC):
     if TYPE_CHECKING:
 
         @property
-        def mechanism(self) -> Mechanism: ...  # noqa: D102
+        def mechanism(self) -> Mechanism:
+            """The linkage whose motion it is."""
+
         @property
-        def sweep(self) -> Sweep: ...  # noqa: D102
+        def sweep(self) -> Sweep:
+            """The linkage posed at φ."""
+
         @property
-        def speed(self) -> Array: ...  # noqa: D102
+        def speed(self) -> Array:
+            """The driver's speed, rad/s or m/s."""
+
         @property
-        def acceleration(self) -> Array: ...  # noqa: D102
+        def acceleration(self) -> Array:
+            """The driver's acceleration, rad/s² or m/s²."""
 
     @property
     @abstractmethod

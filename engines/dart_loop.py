@@ -130,9 +130,10 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """Step through the part of a course and return its samples; accelerations and forces begin after the start.
+    """Build a world, step through the one part of a course and return its samples.
 
-    A step ends with the velocities of its middle; its forces are those of the state before it.
+    Accelerations and forces begin after the start. A step ends with the velocities of its middle; its forces are those
+    of the state before it.
     """
     (part,), ratio = course["parts"], course["ratio"]
     steps, ahead = ratio * part["samples"], int(given["centred"])

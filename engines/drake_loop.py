@@ -138,10 +138,10 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """Step through the one part of a course and return its samples; accelerations and forces begin after the start.
+    """Build a world, step through the one part of a course and return its samples.
 
-    The joints, closed at first, open within some ten steps as far as the steps allow. Raises ArithmeticError where
-    Drake gives up.
+    Accelerations and forces begin after the start. The joints, closed at first, open within some ten steps as far as
+    the steps allow. Raises ArithmeticError where Drake gives up.
     """
     (part,), ratio = course["parts"], course["ratio"]
     step = part["end"] / (ratio * part["samples"])

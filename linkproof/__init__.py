@@ -73,6 +73,7 @@ def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
 if not TYPE_CHECKING:  # to whom every name would be there
 
     def __getattr__(name: str) -> object:
+        """A public name, imported now; raises AttributeError for another one."""
         if name == "__version__":
             return import_module("importlib.metadata").version("linkproof")
         if name == "engine":

@@ -288,7 +288,7 @@ def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
     lines = (title, sentence(judgement), *causes)
 
     def place(figure: Figure) -> None:
-        """Draw each curve beside the closed form, and below it the difference."""
+        """Draw each curve beside the closed form, and below it the difference, into a figure."""
         host = draw.head(figure, lines)
         grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
         for verdict, (_, corrected), above, below in zip(shown, without, *grid, strict=True):

@@ -202,6 +202,7 @@ class _Chunk:
             near = {name: curve for name, curve in self._curves(here, grid, names)[0].items() if is_angle(name)}
 
             def integrands(design: Integers, phi: Array, here: Integers = here, near: Curves = near) -> Array:
+                """The integrands of all figures at φ of designs, by number among ``here``, as ``averages`` asks."""
                 curves, determinants = self._curves(here[design], phi, names)
                 for name, values in near.items():
                     curves[name] = unwrapped_near(curves[name], phi, crank_angles, values[design])

@@ -368,6 +368,7 @@ class Curves:
             chosen = [measures[key] for key in keys]
 
             def curves(rows: Integers, time: Array, chosen: Sequence[Measure] = chosen) -> Array:
+                """The measures of these numbers among ``chosen`` at instants, s, one row each."""
                 truth = self.truth_at(time)
                 return np.stack([chosen[row](truth) for row in rows])
 

@@ -137,7 +137,7 @@ class EngineRanking:
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
-        """The settings that ran, the decisive one first."""
+        """The settings that ran, the decisive one first, unknown ones last."""
         ran = {setting for _, setting in self.cells}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
@@ -257,7 +257,7 @@ def _has_failed(results: CampaignResults) -> bool:
 
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
-    """A sentence on which engines are within limits at their naive settings, which decide nothing."""
+    """Sentences, as one text, on which engines are within limits at their naive settings, which decide nothing."""
     ran = {name: trust.row(name, Setting.NAIVE.value).values() for name in engines}
     over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
     within = Names(name for name, cells in ran.items() if cells and name not in over)
@@ -371,7 +371,7 @@ def _verdict(trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterat
 
 
 def _engines_section(trust: EngineRanking) -> Section:
-    """The section of the engines' results."""
+    """The section of the engines' results: settings, families, and what has changed."""
     appeared, changes = appeared_note(trust.results.changes), changes_table(trust.results.changes)
     return Section(
         "engines", "The engines", (settings_table(trust), families_table(trust), *map(Paragraph, appeared), *changes)

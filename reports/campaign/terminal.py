@@ -127,12 +127,12 @@ def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
 
 
 def _place(record: Error) -> str:
-    """The mechanism of a record, which its sentences name."""
+    """The mechanism of a record, which sentences on it name."""
     return record.mechanism
 
 
 def _unjudged(runs: Iterable[RunRecord]) -> list[Error]:
-    """The records without an error, and those whose error is within its limit."""
+    """The records without an error, and those that do not fail by theirs, for it is within its limit."""
     every = (record for run in runs for record in run.every)
     return [record for record in every if record.error_max is None or record.error_max <= (record.limit or -1.0)]
 

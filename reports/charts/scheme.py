@@ -217,7 +217,10 @@ def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: bool = True) -> None:
-    """Draw one position in full: guides, links, springs, joints and, if wanted, mass centres."""
+    """Draw one position in full: guides, links, springs, joints and, if wanted, mass centres.
+
+    ``size`` is a pin's radius.
+    """
     _guides(axes, scheme, size)
     _links(axes, scheme, size)
     if masses:
@@ -249,7 +252,10 @@ def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw guides of sliders and slots over their travel; a rail where no links lead to the slider."""
+    """Draw guides of sliders and slots over their travel; a rail on the ground lies away from the links.
+
+    ``size`` is a pin's radius.
+    """
     for guide, body, point in scheme.runs:
         start, end = scheme.travel(guide, body, point)
         if guide.host == GROUND:
@@ -260,7 +266,7 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw links, springs, a cylinder and the blocks of sliders."""
+    """Draw links, springs, a cylinder and the blocks of sliders; ``size`` is a pin's radius."""
     for number, (name, link) in enumerate(scheme.linkage.links.items()):
         spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
@@ -273,7 +279,10 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw the mass centres of links with inertia that are clear of the joints, tied to their link."""
+    """Draw the mass centres of links with inertia that are clear of the joints, tied to their link.
+
+    ``size`` is a pin's radius.
+    """
     joints = np.array(list(scheme.spots.values()))
     for name, link in scheme.linkage.links.items():
         if link.inertia is not None and link.points:
@@ -283,7 +292,7 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw pins, fixed pivots, pins in slots, and points where nothing is pinned."""
+    """Draw pins, fixed pivots, pins in slots, and points where nothing is pinned; ``size`` is a pin's radius."""
     linkage = scheme.linkage
     shared = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (shared & set(linkage.ground))
@@ -293,10 +302,7 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Write the points' names on the side that no link leaves from; returns their places in the drawing, (names, 2).
-
-    ``size`` is a pin's radius.
-    """
+    """Write the points' names on the side that no link leaves from; ``size`` is a pin's radius."""
     across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
         away, reach = symbols.unit(-_towards_links(name, scheme)), 3.8 * size
@@ -311,7 +317,7 @@ def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def write_name(axes: Axes, place: Array, name: str, ink: str = INK) -> None:
-    """Write a name, centred at a place."""
+    """Write a name, centred at a place, (2,), of the axes, in a colour."""
     axes.text(float(place[0]), float(place[1]), name, color=ink, **NAME_STYLE)
 
 
@@ -337,7 +343,10 @@ def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -
 
 
 def _draw_thread(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
-    """Draw links, eyes' paths and the thread's contour; sets no limits of the axes."""
+    """Draw links, eyes' paths and the thread's contour; sets no limits of the axes.
+
+    ``size`` is a pin's radius.
+    """
     for path in thread.paths.values():
         symbols.line(axes, scheme.scale * path.T, 1.0, 2.0, GHOST, linestyle=(0, (3, 2)))
     draw_position(axes, scheme, size)

@@ -115,7 +115,7 @@ def _linkages() -> Iterator[Linkage]:
 
 
 def _linkage_tables() -> Iterator[dict[str, Any]]:
-    """The linkage files among the typed words as nested tables; those that cannot be read are left out."""
+    """Yield the linkage files among the typed words as nested tables; those that cannot be read are left out."""
     for file in _typed_files():
         with contextlib.suppress(LinkproofError, ValueError, RecursionError):
             yield tomllib.loads(read_file(file, "a linkage file").decode("utf-8-sig"))
@@ -144,7 +144,7 @@ def complete(app: click.Group) -> int:
 
 
 def _completer(app: click.Group, shell: str) -> ShellComplete:
-    """What completes in a shell by name; raises LinkproofError for a shell without completion."""
+    """Click's object that completes for a shell, by its name; raises LinkproofError for a shell without completion."""
     from click.shell_completion import get_completion_class
 
     kind = get_completion_class(shell)
@@ -154,7 +154,10 @@ def _completer(app: click.Group, shell: str) -> ShellComplete:
 
 
 def _teach(context: click.Context, parameter: click.Parameter, is_requested: bool) -> None:
-    """Print the user's completion script, or write it where the shell finds it, and end; if it is asked for."""
+    """Print the user's completion script, or write it where the shell finds it, and end.
+
+    Nothing if it is not asked for. Raises LinkproofError for a shell without completion.
+    """
     if not is_requested:
         return
     shell = Path(os.environ.get("SHELL", "")).name

@@ -88,7 +88,7 @@ class Optimisation(Study):
         return Printout(tables, self._speed_note())
 
     def brief(self) -> Sequence[Printed]:
-        """The outcome in one sentence: the aim before and after, and the numbers that give it."""
+        """The outcome in one sentence, as the only member: the aim before and after, and the numbers that give it."""
         best, unit = self.best, self.best.problem.aims[0].unit
         numbers = (
             f"{part.name} {figure(best.after[part.name] / part.unit.size, DIGITS)} {part.unit.name}".rstrip()
@@ -209,7 +209,7 @@ def _numbers(optimum: Optimum) -> Table:
 
 
 def _figures(optimum: Optimum) -> Table:
-    """The table of figures: values before and after in the file's unit, change, aim or constraint."""
+    """The table of figures: values before and after in the file's unit, change, and whether aim or constraint."""
     kept = {constraint.figure.name: constraint for constraint in optimum.problem.constraints}
     aims = {named_figure.name for named_figure in optimum.problem.aims}
     rows = []
@@ -265,7 +265,7 @@ def _optimality(search: Search) -> Iterator[str]:
 
 
 def _rounding(optimum: Optimum) -> str:
-    """A sentence on the loss by whole steps and the constraints they violate."""
+    """A sentence on the loss by lengths in whole steps, and on the constraints that they violate."""
     problem = optimum.problem
     before, after = (problem.sign * optimum.aim(values) for values in (optimum.exact, optimum.values[1]))
     after_of = dict(zip((each.name for each in optimum.figures), optimum.values[1], strict=True))

@@ -186,7 +186,7 @@ class Tolerance(Study):
         return tornado_figure(self.study)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix; of CSV a line per row."""
+        """The content of a file with this suffix; of CSV a line per row of ``rows``."""
         if suffix != ".csv":
             return super().content(suffix, **form)
         rows, text = self.rows(), io.StringIO()
@@ -247,14 +247,14 @@ ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 
 
 def tornado_figure(study: ToleranceStudy) -> Figure:
-    """A figure with a panel per result, of the parameters that move it most.
+    """A figure with a panel per result, of the 25 parameters at most that move it most.
 
     On top stand parameters at whose limits the linkage does not assemble; their change is nan.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
     def place(figure: Figure) -> None:
-        """Draw a panel for each result, with one legend above."""
+        """Draw a panel for each result, with one legend above, into a figure."""
         host = draw.head(figure, [study.case.conditions])
         grid = host.subplots(len(study.figures), squeeze=False)[:, 0]
         for result, axes in enumerate(grid):

@@ -100,20 +100,23 @@ def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -
 
 
 def error_rows(runs: Iterable[Iterable[Error]], named: Callable[[str], str]) -> dict[str, list[Error | None]]:
-    """The worst error of every run by quantity, or by what ``named`` makes of its name; None where a run has none."""
+    """The worst error of every run by quantity, or by what ``named`` makes of its name; None where a run has none.
+
+    The rows are in the order in which names occur.
+    """
     results = [grouped((named(record.quantity), record) for record in run) for run in runs]
     names = dict.fromkeys(name for result in results for name in result)
     return {name: [worst(result[name]) if name in result else None for result in results] for name in names}
 
 
 def limit_words(records: Iterable[Error | None]) -> str:
-    """The limits of records as text, each once, in the order of the settings."""
+    """The limits of records as text, each once, in the order of the settings; "" without any."""
     limits = {record.setting: record.limit for record in records if record is not None and record.limit}
     return ", ".join(dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank)))
 
 
 def error_cell(record: Error | None) -> TableCell | str:
-    """The cell of an error with the sign of its verdict, and the reason as a tooltip."""
+    """The cell of an error with the sign of its verdict, and the reason as a tooltip; a dash for None."""
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
@@ -122,7 +125,10 @@ def error_cell(record: Error | None) -> TableCell | str:
 
 
 def reasons(records: Iterable[Error], place: Callable[[Error], str]) -> list[str]:
-    """Details of records, each once, with engine, settings and the places that ``place`` names, "" for none."""
+    """Details of records, each once per engine, as sentences with its settings and places.
+
+    ``place`` names a record's place, "" for none. Records without a detail are left out.
+    """
     groups = grouped(((record.engine, record.detail), record) for record in records if record.detail)
     lines = []
     for (engine, detail), alike in groups.items():
@@ -133,7 +139,10 @@ def reasons(records: Iterable[Error], place: Callable[[Error], str]) -> list[str
 
 
 def remedies(runs: Iterable[Sequence[Error]], place: Callable[[Error], str] = lambda _: "") -> list[str]:
-    """Advice on runs over their limits, each sentence once, with engine, settings and places."""
+    """Advice on runs over their limits, each sentence once per engine, with its settings and places.
+
+    ``place`` names a record's place, by default none.
+    """
     return reasons([run[0]._replace(detail=remedy(run)) for run in runs if run], place)
 
 
@@ -191,7 +200,7 @@ def errors_figure(view: View, regime: Regime) -> Figure:
         return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
 
     def place(figure: Figure) -> None:
-        """Draw a mark for every record, in its engine's colour and symbol, and the limits into the figure."""
+        """Draw a mark for every record, in its engine's colour and symbol, and the limit at 1 into the figure."""
         axes = figure.subplots()
         for (engine, setting), mine in grouped(((r.engine, r.setting), r) for r in known).items():
             look = looks_of[engine]

@@ -64,7 +64,7 @@ def _plot_feed(sheet: Sheet, figure: Figure) -> None:
 
 
 def released_section(sheet: Sheet) -> Section:
-    """The section on released regimes: where the crank rests, how it settles, and its speed."""
+    """The section on released regimes, a part each: where the crank rests, how it settles, and its speed."""
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
         figures = tuple(_released_figures(sheet, regime, motion))
@@ -88,7 +88,10 @@ def _released_figures(sheet: Sheet, regime: str, motion: Released) -> Iterator[P
 
 
 def _plot_panels(x: Array, label: str, panels: Mapping[str, Array], figure: Figure, *, turn: bool = False) -> None:
-    """Draw values by their labels over the same ``x``, one below the other."""
+    """Draw values by their labels over the same ``x``, one below the other, into a figure; ``label`` is that of ``x``.
+
+    ``turn`` is an axis of a turn in degrees.
+    """
     column = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
     for axes, (y_label, values), colour in zip(column, panels.items(), PALETTE, strict=False):
         axes.plot(x, values, color=colour)
