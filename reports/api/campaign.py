@@ -106,9 +106,16 @@ def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> t
     return tuple(files)
 
 
-def installed(engines: Sequence[str]) -> list[str]:
-    """Those of these engines that can be used here."""
-    return [name for name, engine in zip(engines, adapters(engines), strict=True) if why_unavailable(engine) is None]
+def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
+    """The engines of these names, each once, all that can be used here where none is named.
+
+    Raises LinkproofError for a named engine that cannot be used or is unknown.
+    """
+    known = dict.fromkeys(names) or engine_names()
+    absent = {name: why_unavailable(engine) for name, engine in zip(known, adapters(tuple(known)), strict=True)}
+    for reason in filter(None, absent.values() if names else ()):
+        raise LinkproofError(f"{reason}; or leave it out")
+    return tuple(name for name in known if absent[name] is None)
 
 
 def missing_engines(engines: Sequence[str]) -> str:
@@ -117,23 +124,6 @@ def missing_engines(engines: Sequence[str]) -> str:
     if not absent:
         return ""
     return f"not installed, left out: {', '.join(absent)} ('linkproof engines' says how to install them)"
-
-
-def named(engines: Sequence[str]) -> tuple[str, ...]:
-    """The engines of these names, each once; raises LinkproofError for one that cannot be used here or is unknown."""
-    for adapter in adapters(engines):
-        absent = why_unavailable(adapter)
-        if absent is not None:
-            raise LinkproofError(f"{absent}; or leave it out")
-    return tuple(dict.fromkeys(engines))
-
-
-def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
-    """The engines of these names; all that are installed where none is named.
-
-    Raises LinkproofError for a named engine that cannot be used or is unknown.
-    """
-    return named(names) or tuple(installed(engine_names()))
 
 
 def requested_settings(names: Sequence[str]) -> tuple[Setting, ...]:

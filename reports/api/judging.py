@@ -21,7 +21,7 @@ from comparisons.filejudge.judge import ImportedJudgement
 from comparisons.filejudge.judge import judge as judge_results
 from comparisons.filejudge.reading import read_results
 from comparisons.motion.case import DriverMotion
-from reports.api.motions import check_motion, requested_motion
+from reports.api.motions import check_motion, named_case
 from reports.api.options import Motion as Asked
 
 STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that turns steadily may differ
@@ -64,9 +64,10 @@ def _stated_motion(options: Asked, linkage: Linkage, imported: ImportedResults) 
         options.speed is not None or len(over_angle) == len(imported.signals)
     ):
         options = replace(options, regime=(STEADY,))
-    motion = requested_motion(options, Mechanism(linkage))
-    if motion is None:
+    case = named_case(options, Mechanism(linkage))
+    if case is None:
         return None
+    motion = case.motion
     speed = motion.speed(np.linspace(0.0, motion.duration, 101))
     if over_angle and np.ptp(speed) > STEADY_WITHIN * np.max(np.abs(speed)):
         raise LinkproofError(

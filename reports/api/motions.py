@@ -1,7 +1,7 @@
 """The motions of ``Motion``: prescribed ones and the regimes of a linkage; refusals of impossible ones.
 
-A campaign takes ``requested_motions``; a command about one motion takes ``requested_motion``, ``requested_case`` or,
-with the instants of a table, ``requested_results``.
+A campaign takes ``requested_motions``; a command about one motion takes ``named_case``, ``requested_case`` or, with the
+instants of a table, ``requested_results``.
 
 Of a drive along a line ``--from``, ``--to`` and ``--speed`` are in the file's unit of length; without a speed its
 motion has the mean speed of one second, without ends it goes over the range of the drive.
@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +36,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import STEADY, range_motion
 from comparisons.designer.curves import Instants
 from comparisons.designer.open_ends import inset_ends
-from comparisons.motion.case import Case, DriverMotion, case_of_file_regime
+from comparisons.motion.case import Case, case_of_file_regime
 from reports.api.options import TIMED, Numbers
 from reports.api.options import Motion as Asked
 
@@ -46,28 +45,15 @@ OWN = "own"  # every regime that a linkage defines for itself
 TURNING, SWINGING = "run-up", STEADY  # the regime where none is named
 
 
-class RequestedMotions(NamedTuple):
-    """Prescribed motions, their conditions in words, and the names of regimes that linkages define themselves."""
+def requested_motions(
+    options: Asked, linkages: Sequence[Linkage]
+) -> tuple[tuple[CrankMotion, ...], str, tuple[str, ...]]:
+    """Prescribed motions of a campaign, their conditions in words, and names of regimes of the linkages' own.
 
-    prescribed: tuple[CrankMotion, ...]
-    conditions: str
-    own_regimes: tuple[str, ...]
-
-
-def requested_motions(options: Asked, linkages: Sequence[Linkage]) -> RequestedMotions:
-    """The motions of a campaign of ``linkages``; raises LinkproofError for motions that are impossible or unknown."""
-    check_motion(options)
-    motions, conditions = _prescribed_motions(options, linkages)
-    return RequestedMotions(motions, conditions, _own_regimes(options, linkages))
-
-
-def requested_motion(options: Asked, mechanism: Mechanism) -> DriverMotion | None:
-    """The one motion that is requested; None if the options name none.
-
-    A released one is integrated. Raises LinkproofError for a motion that is impossible or unknown, and for several.
+    Raises LinkproofError for motions that are impossible or unknown.
     """
-    case = _named_case(options, mechanism)
-    return None if case is None else case.motion
+    check_motion(options)
+    return (*_prescribed_motions(options, linkages), _own_regimes(options, linkages))
 
 
 def requested_case(options: Asked, mechanism: Mechanism) -> Case:
@@ -81,40 +67,34 @@ def requested_case(options: Asked, mechanism: Mechanism) -> Case:
         if not isinstance(moving.motion, CrankMotion):
             raise LinkproofError("--speed 0 holds the crank, and the regime releases it: leave one of the two out")
         return replace(moving, motion=Standstill("at rest", moving.motion.segments))
-    case = _named_case(options, mechanism)
+    case = named_case(options, mechanism)
     has_length = options.swings or options.is_timed or _own_regimes(options, [mechanism.linkage])
     if case is None or (tuple(options.regime) == (STEADY,) and not has_length):
         return _default_case(options, mechanism)
     return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
 
 
-class RequestedResults(NamedTuple):
-    """A linkage under a motion, and the instants (n,), s, of its tables; None for the whole motion."""
-
-    case: Case
-    chosen: NDArray[np.float64] | None
-
-
 def requested_results(
     linkage: Linkage, options: Asked, at: Numbers | None = None, time: Numbers | None = None
-) -> RequestedResults:
-    """The motion and the instants of a request, ``at`` degrees, or the file's unit of travel, or at times, s.
+) -> tuple[Case, NDArray[np.float64] | None]:
+    """The motion of a request, and the instants (n,), s, of its tables; None for the whole motion.
 
-    Raises LinkproofError for impossible ones, and for both.
+    They are ``at`` degrees, or the file's unit of travel, or at times, s. Raises LinkproofError for impossible ones, and
+    for both.
     """
     if at is not None and time is not None:
         raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
     case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
     linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
     if at is not None:
-        return RequestedResults(case, instants.times_of_angles(np.array(at), linkage.phi.mark, linkage.phi.unit.size))
-    return RequestedResults(case, None if time is None else instants.checked_times(np.array(time)))
+        return case, instants.times_of_angles(np.array(at), linkage.phi.mark, linkage.phi.unit.size)
+    return case, None if time is None else instants.checked_times(np.array(time))
 
 
-def _named_case(options: Asked, mechanism: Mechanism) -> Case | None:
+def named_case(options: Asked, mechanism: Mechanism) -> Case | None:
     """The case of the one motion that the options name; None if they name none.
 
-    Raises LinkproofError for several, and for one that is impossible or unknown.
+    A released motion is integrated. Raises LinkproofError for several, and for one that is impossible or unknown.
     """
     check_motion(options)
     linkage = mechanism.linkage
@@ -221,24 +201,17 @@ def _check_number(option: str, value: float, unit: str, least: float) -> None:
 
 def _motions(options: Asked) -> tuple[CrankMotion, ...]:
     """The requested prescribed motions of a crank, without regimes that the linkages define; () without any."""
-    known = offered_regimes(options)
+    known, speed = offered_regimes(options), abs(options.rpm) * RPM
     usual = SWINGING if options.swings else TURNING
-    names = known if EVERYTHING in options.regime else options.regime or (usual,)
-    return tuple(_motion(options, name) for name in dict.fromkeys(names) if name in known)
-
-
-def _motion(options: Asked, name: str) -> CrankMotion:
-    """The motion of a regime by name, SI, with the options' speed, times and angles."""
-    speed = abs(options.rpm) * RPM
+    asked = known if EVERYTHING in options.regime else options.regime or (usual,)
+    names = [name for name in dict.fromkeys(asked) if name in known]
     if options.from_angle is not None and options.to_angle is not None:
-        return swing(name, math.radians(options.from_angle), math.radians(options.to_angle), speed=speed)
-    return crank_motion(
-        name,
-        speed=speed,
-        ramp_time=options.ramp_time,
-        hold_time=options.hold_time,
-        clockwise=options.turns_back,
-        start_angle=math.radians(options.start_angle),
+        start, end = math.radians(options.from_angle), math.radians(options.to_angle)
+        return tuple(swing(name, start, end, speed=speed) for name in names)
+    times = {"ramp_time": options.ramp_time, "hold_time": options.hold_time}
+    start = math.radians(options.start_angle)
+    return tuple(
+        crank_motion(name, speed=speed, clockwise=options.turns_back, start_angle=start, **times) for name in names
     )
 
 

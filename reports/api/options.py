@@ -157,7 +157,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         for name, given in bound.arguments.items():
             if name in options:
                 bound.arguments[name] = option_value(options[name], given)
-            elif name in groups and not isinstance(given, groups[name]):
+            elif name in groups and type(given) is not groups[name]:
                 kind = groups[name].__name__
                 raise LinkproofError(f"{name}: expected a {kind}, got {shortened(repr(given))}; pass {kind}(...)")
         return function(*bound.args, **bound.kwargs)
@@ -357,15 +357,6 @@ TIMED = ("ramp_time", "hold_time", "start_angle")  # of a crank that turns on: n
 Mechanism = Annotated[LinkageLike, Argument("MECHANISM", "mechanisms")]
 Mechanisms = Annotated[LinkageLike | Sequence[LinkageLike], Argument("MECHANISM", "mechanisms")]
 Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
-Speed = Annotated[
-    float | None,
-    Option(
-        "Final crank speed, or the largest of a swing; negative turns clockwise; 0 in results; default: 1000.", "RPM"
-    ),
-]
-From = Annotated[float | None, Option("Crank angle at the start of a swing.", "DEGREES", ("--from",))]
-To = Annotated[float | None, Option("Crank angle at the end of a swing.", "DEGREES", ("--to",))]
-Gravity = Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))]
 Variant = Annotated[str | None, Option("Variant of the file; default: its own values.", "NAME", names="variants")]
 
 
@@ -380,15 +371,38 @@ class Checked:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion(Checked):
-    """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
+class SteadyMotion(Checked):
+    """A motion of the crank at constant ``speed``, rpm, negative if clockwise, over a turn; None is ``USUAL_SPEED``.
 
-    A negative ``speed`` turns clockwise; None is ``USUAL_SPEED``, of a drive along a line its mean. With ``from_angle``
-    and ``to_angle`` the crank swings from one to the other, and the regime is the law of motion. Of a drive along
-    a line ``speed``, ``from_angle`` and ``to_angle`` are in its file's unit of length.
+    With ``from_angle`` and ``to_angle``, degrees, the crank swings from one to the other. Of a drive along a line these
+    and the speed are in its file's unit of length.
     """
 
     variant: Variant = None
+    speed: Annotated[
+        float | None,
+        Option(
+            "Final crank speed, or the largest of a swing; negative turns clockwise; 0 in results; default: 1000.",
+            "RPM",
+        ),
+    ] = None
+    from_angle: Annotated[float | None, Option("Crank angle at the start of a swing.", "DEGREES", ("--from",))] = None
+    to_angle: Annotated[float | None, Option("Crank angle at the end of a swing.", "DEGREES", ("--to",))] = None
+    gravity: Annotated[bool, Option("Switch gravity off.", flags=("--no-gravity",))] = True
+
+    @property
+    def motion(self) -> Motion:
+        """The same motion as a ``Motion``."""
+        return Motion(**vars(self))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion(SteadyMotion):
+    """The requested motion of the crank: names, rpm, seconds and degrees; without a regime the default.
+
+    With ``from_angle`` and ``to_angle`` the regime is the law of motion; else as in ``SteadyMotion``.
+    """
+
     regime: Annotated[
         Sequence[str],
         Option(
@@ -400,13 +414,9 @@ class Motion(Checked):
             names="regimes",
         ),
     ] = ()
-    speed: Speed = None
     ramp_time: Annotated[float, Option("Time to reach this speed.", "SECONDS")] = 0.6
     hold_time: Annotated[float, Option("Time at this speed.", "SECONDS")] = 0.1
     start_angle: Annotated[float, Option("Crank angle at the start.", "DEGREES")] = 0.0
-    from_angle: From = None
-    to_angle: To = None
-    gravity: Gravity = True
 
     @property
     def rpm(self) -> float:
@@ -438,22 +448,6 @@ class Motion(Checked):
         if self.swings:
             return f"from {self.from_angle:g}° to {self.to_angle:g}°, at most {turning}"
         return f"{turning}, {self.ramp_time:g} s + {self.hold_time:g} s, from {self.start_angle:g}°"
-
-
-@dataclass(frozen=True, kw_only=True)
-class SteadyMotion(Checked):
-    """A motion at constant speed, rpm: over a turn, or between two angles, degrees; else as in ``Motion``."""
-
-    variant: Variant = None
-    speed: Speed = None
-    from_angle: From = None
-    to_angle: To = None
-    gravity: Gravity = True
-
-    @property
-    def motion(self) -> Motion:
-        """The same motion as a ``Motion``."""
-        return Motion(**vars(self))
 
 
 # Runs of engines that compare, bench and stress make.

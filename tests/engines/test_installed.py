@@ -59,6 +59,6 @@ def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
     monkeypatch.setattr(OndselEngine, "oldest", "9999")
     monkeypatch.setattr(campaign, "adapters", lambda names: [OndselEngine() for _ in names])
     with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
-        campaign.named(["ondsel"])
+        campaign.requested_engines(["ondsel"])
     run = OndselEngine().run(driven(mechanism("juki-mf7923d"), crank_motion()), Setting.TUNED)
     assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)

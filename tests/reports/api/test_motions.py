@@ -22,7 +22,7 @@ MOTOR = driven("linear-motor")
 
 
 def motions(**options):
-    return requested_motions(Motion(**options), []).prescribed
+    return requested_motions(Motion(**options), [])[0]
 
 
 def linear(**options):
@@ -103,8 +103,8 @@ def test_options_of_a_turning_crank_are_refused_for_a_drive_along_a_line():
 
 def test_a_regime_of_a_file_is_requested_by_its_name_or_with_all_of_them():
     linkages = [load("slotted-takeup")]
-    assert requested_motions(Motion(regime=("free",)), linkages).own_regimes == ("free",)
-    assert requested_motions(Motion(regime=("own",)), linkages).own_regimes == ("driven", "free")
+    assert requested_motions(Motion(regime=("free",)), linkages)[2] == ("free",)
+    assert requested_motions(Motion(regime=("own",)), linkages)[2] == ("driven", "free")
     with pytest.raises(LinkproofError, match="unknown regime 'fre'"):
         requested_motions(Motion(regime=("fre",)), linkages)
 
