@@ -23,6 +23,7 @@ from analytic.errors import LinkproofError
 from analytic.files import read_file
 from comparisons.designer.building import page_sheet
 from comparisons.trials.runs.files import write_file
+from reports.api.linkages import resolve
 from reports.api.motions import requested_results
 from reports.api.options import Motion
 from reports.document import html
@@ -105,7 +106,7 @@ class _WatchedFile:
         name = self.path.name
         self._fault = ""
         try:
-            case, _ = requested_results(loading.load(self.path, self.motion.variant), self.motion)
+            case, _ = requested_results(resolve(self.path, self.motion)[0], self.motion)
             self._shown = replace(page(page_sheet(case)), sections=())  # whose figures would not follow
         except LinkproofError as error:
             self._fault = str(error)

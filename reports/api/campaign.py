@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import shlex
 from collections import Counter
@@ -11,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
@@ -47,7 +46,7 @@ from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.api.linkages import linkage_file, word_of
 from reports.api.motions import EVERYTHING, requested_motions
-from reports.api.options import Announce, LinkageLike, Motion, changed, command_line, words
+from reports.api.options import Announce, LinkageLike, Motion, changed, command_line
 from reports.api.options import Bounds as Asked
 from reports.document.study import check_file
 from reports.document.terminal import show
@@ -58,21 +57,15 @@ Kept = TypeVar("Kept", bound=Trials)
 DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of files
 
 
-class Chosen(NamedTuple):
-    """The linkages of runs with their files, and the words by which a command names them; none for all."""
+def chosen_linkages(
+    given: Sequence[LinkageLike], motion: Motion
+) -> tuple[tuple[Linkage, ...], tuple[LinkageFile, ...]]:
+    """The linkages in the variant and under the gravity of a motion, and their files.
 
-    linkages: tuple[Linkage, ...]
-    files: tuple[LinkageFile, ...]
-    words: tuple[str, ...]
-
-
-def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) -> Chosen:
-    """The linkages in the variant and under the gravity of a motion; by default the catalogue's that have the variant.
-
-    Each is there once. Files of the same name get the names of their folders before their own, as many as are needed to
-    differ. Raises LinkproofError where two names are the same.
+    By default they are the catalogue's that have the variant. Files of the same name get the names of their folders
+    before their own, as many as are needed to differ. Raises LinkproofError where two names are the same.
     """
-    named = tuple({word_of(each): each for each in words(given) or _with_variant(catalogue(), motion.variant)}.values())
+    named = tuple({word_of(each): each for each in tuple(given) or _with_variant(catalogue(), motion.variant)}.values())
     files = _told_apart(named, [linkage_file(each) for each in named])
     variants = [each.variant if isinstance(each, Linkage) and motion.variant is None else None for each in named]
     linkages = [file.linkage(variant or motion.variant) for file, variant in zip(files, variants, strict=True)]
@@ -81,7 +74,7 @@ def chosen_linkages(given: LinkageLike | Sequence[LinkageLike], motion: Motion) 
         raise LinkproofError(f"two linkage files are both called '{name}': rename one of them")
     if not motion.gravity:
         linkages = [without(linkage, "gravity") for linkage in linkages]
-    return Chosen(tuple(linkages), files, tuple(map(word_of, words(given))))
+    return tuple(linkages), files
 
 
 def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
@@ -168,16 +161,11 @@ def request(
 
 def run_bounds(bounds: Asked) -> RunBounds:
     """The time and memory of each run; raises LinkproofError for bad input, of ``jobs`` and ``scheduler`` too."""
-    for option, value, unit in (
-        ("--time-limit", bounds.time_limit, "s"),
-        ("--memory-limit", bounds.memory_limit, "GiB"),
-    ):
-        if value is not None and not 0.0 < value < math.inf:
-            raise LinkproofError(f"{option}: expected a positive finite number of {unit}, got {value:g}")
-        if value is not None and bounds.jobs == 0:
-            raise LinkproofError(
-                f"{option} applies to worker processes, but --jobs 0 starts none: leave one of the two out"
-            )
+    if bounds.jobs == 0 and (bounds.time_limit, bounds.memory_limit) != (None, None):
+        raise LinkproofError(
+            "--time-limit and --memory-limit apply to worker processes, but --jobs 0 starts none: leave one of the two "
+            "out"
+        )
     if bounds.jobs is not None and bounds.jobs < 0:
         raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {bounds.jobs}")
     if bounds.scheduler is not None and bounds.jobs is not None:
@@ -307,14 +295,19 @@ def _regimes(file: LinkageFile) -> list[str]:
     return []
 
 
-def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: Chosen) -> Comparison:
-    """Make and judge the runs that a call of ``function`` asks for; they are kept in its folder, if it names one.
+def comparison(
+    function: Callable[..., Any],
+    given: Mapping[str, Any],
+    linkages: tuple[Linkage, ...],
+    files: Sequence[LinkageFile],
+) -> Comparison:
+    """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
 
-    ``given`` are its arguments, ``chosen`` its linkages. Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments, ``files`` those of the ``linkages``. Raises LinkproofError for bad input before any run.
     """
     motion, bounds, command = given["motion"], run_bounds(given["bounds"]), command_line(function, given)
-    asked = request(chosen.linkages, motion, given["engine"], given["setting"], given["quantity"])
-    limits, todo, most = chosen_limits(chosen.files, given["limits"]), tasks(asked), processes(given["bounds"])
+    asked = request(linkages, motion, given["engine"], given["setting"], given["quantity"])
+    limits, todo, most = chosen_limits(files, given["limits"]), tasks(asked), processes(given["bounds"])
     before = None if given["against"] is None else rows_before(given["against"])
     every_variant = motion.variant is None and motion.gravity  # figures are those of all
 
@@ -332,7 +325,7 @@ def comparison(function: Callable[..., Any], given: Mapping[str, Any], chosen: C
             table["environment"][CONCURRENT_RUNS] = str(min(most, len(runs)))
         return CampaignResults(table | judgement(limits, figures, changes), runs)
 
-    others, linkages = ("bounds", "limits", "against"), asked.linkages
+    others = ("bounds", "limits", "against")
     result = kept(Comparison, make, function, given, engines=asked.engines, linkages=linkages, without=others)
     return replace(result, processes=most)
 
@@ -343,18 +336,14 @@ def script(asked: CampaignRequest, file: Path, command: str) -> Script:
     Raises LinkproofError for several runs, and for a run that cannot be exported.
     """
     check_file("--script", file)
-    if (len(asked.linkages), len(asked.engines)) != (1, 1):
+    cases = list(each_case(asked))
+    counts = (len(asked.linkages), len(asked.engines), len(cases), len(asked.settings))
+    if counts != (1, 1, 1, 1):
+        got = "{} mechanisms, {} engines, {} motions and {} settings".format(*counts)
         raise LinkproofError(
-            f"--script writes one run, got {len(asked.linkages)} mechanisms and {len(asked.engines)} engines: "
-            "name one MECHANISM and one --engine"
+            f"--script writes one run, got {got}: name one MECHANISM, --engine, --regime and --setting"
         )
-    cases, settings = list(each_case(asked)), asked.settings
-    if len(cases) != 1 or len(settings) != 1:
-        raise LinkproofError(
-            f"--script writes one run, got {len(cases)} motions and {len(settings)} settings: name one --regime and "
-            "one --setting"
-        )
-    write_file(file, exported(cases[0], asked.engines[0], settings[0], command))
+    write_file(file, exported(cases[0], asked.engines[0], asked.settings[0], command))
     return Script(CampaignResults(document(asked, command), ()), written=(file,))
 
 

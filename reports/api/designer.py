@@ -18,6 +18,7 @@ from reports.api.options import (
     Motion,
     Numbers,
     Option,
+    Positive,
     Ranges,
     SteadyMotion,
     Strict,
@@ -41,8 +42,6 @@ if TYPE_CHECKING:
     from reports.designs.tolerance import Tolerance
     from reports.studies.judged import Judgement
 
-STILL = SteadyMotion()
-USUAL = Motion()
 ScaleMass = Annotated[bool, Option("Scale mass and inertia of a link with its lengths; default: as in the file.")]
 
 
@@ -69,8 +68,9 @@ def mechanisms(
     from reports.api.steady import steady_case
     from reports.designs import linkages
 
-    found = steady_case(load_linkage(mechanism), STILL)
-    return linkages.listed_figures(found.mechanism, found.conditions, requested_case(STILL.motion, found.mechanism))
+    motion = SteadyMotion()
+    found = steady_case(load_linkage(mechanism), motion)
+    return linkages.listed_figures(found.mechanism, found.conditions, requested_case(motion.motion, found.mechanism))
 
 
 @checked
@@ -125,7 +125,7 @@ def check(mechanism: Mechanism, variant: Variant = None, *, strict: Strict = Fal
 @checked
 def results(
     mechanism: Mechanism,
-    motion: Motion = USUAL,
+    motion: Motion = Motion(),
     *,
     at: Annotated[Numbers | None, Option("Every signal at these crank angles: 0,30,60.", "DEGREES")] = None,
     time: Annotated[Numbers | None, Option("Every signal at these times: 0.1,0.2.", "SECONDS")] = None,
@@ -220,7 +220,7 @@ def sweep(
             names="figures",
         ),
     ] = (),
-    motion: SteadyMotion = STILL,
+    motion: SteadyMotion = SteadyMotion(),
     *,
     table: Annotated[
         "str | Path | Mapping[str, Any] | None",
@@ -266,7 +266,7 @@ def sweep(
 @checked
 def optimise(
     mechanism: Mechanism,
-    motion: SteadyMotion = STILL,
+    motion: SteadyMotion = SteadyMotion(),
     *,
     minimise: Annotated[
         str | None, Option("Minimise this figure, such as Mkr.peak.", "FIGURE", names="figures")
@@ -331,7 +331,7 @@ def tolerance(
     mechanism: Mechanism,
     tolerances: Annotated["str | Path | Mapping[str, Any]", Argument("TOLERANCES.toml")],
     results: Words | None = None,
-    motion: SteadyMotion = STILL,
+    motion: SteadyMotion = SteadyMotion(),
     *,
     scale_mass: ScaleMass = False,
     samples: Annotated[
@@ -375,7 +375,7 @@ def tolerance(
 def judge(
     mechanism: Mechanism,
     results: Annotated[str | Path | Sequence[str | Path], Argument("RESULTS")],
-    motion: Motion = USUAL,
+    motion: Motion = Motion(),
     *,
     map: Annotated[
         Sequence[str],
@@ -385,7 +385,7 @@ def judge(
             "COLUMN=SIGNAL",
         ),
     ] = (),
-    limit: Annotated[float, Option("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = 0.01,
+    limit: Annotated[float, Positive("Largest error allowed, as a share of the closed form's peak.", "SHARE")] = 0.01,
     encoding: Annotated[
         str, Option("Encoding of files that are not UTF-8 or UTF-16, such as cp1252 or cp1251.", "NAME")
     ] = "",
@@ -407,11 +407,10 @@ def judge(
     >>> linkproof.judge("juki-mf7923d", "curves.csv").ok
     True
     """
-    from reports.api.judging import check_judgement, judge_files
+    from reports.api.judging import judge_files
     from reports.api.linkages import resolve
     from reports.studies.judged import Judgement
 
-    check_judgement(motion, limit)
     chosen, mechanism, motion = resolve(mechanism, motion)
     command = command_line(judge, locals())
     files = [Path(file) for file in words(results)]

@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from analytic.description.changes import without
 from analytic.description.crank_motion import REGIMES
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
@@ -27,26 +26,19 @@ from reports.api.options import Motion as Asked
 STEADY_WITHIN: Final = 1e-9  # of its largest: by what the speed of a crank that turns steadily may differ
 
 
-def check_judgement(motion: Asked, limit: float) -> None:
-    """Raise LinkproofError for a bad motion or limit of ``judge``, before any file is read."""
-    check_motion(motion)
-    if not 0.0 < limit < math.inf:
-        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {limit:g}")
-
-
 def judge_files(
     linkage: Linkage, files: Sequence[Path], motion: Asked, *, map: Sequence[str], limit: float, encoding: str
 ) -> ImportedJudgement:
     """The judgement of a tool's result files against the closed form of a linkage, by the options of ``judge``.
 
-    Raises LinkproofError for files that cannot be read or judged.
+    Raises LinkproofError for an impossible motion, and for files that cannot be read or judged.
     """
-    model = linkage if motion.gravity else without(linkage, "gravity")
-    imported = read_results(files, model, map, encoding)
+    check_motion(motion)
+    imported = read_results(files, linkage, map, encoding)
     return judge_results(
-        model,
+        linkage,
         imported,
-        _stated_motion(motion, model, imported),
+        _stated_motion(motion, linkage, imported),
         limit=limit,
         start_angle=math.radians(motion.start_angle),
         gives_speed=motion.speed is not None,

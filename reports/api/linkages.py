@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
-from analytic.description.loading import LinkageFile, in_variant, load, read
+from analytic.description.loading import LinkageFile, in_variant, read
 from analytic.errors import LinkproofError, shortened
-from reports.api.options import Motion, SteadyMotion
+from reports.api.options import SteadyMotion
 
 if TYPE_CHECKING:
     from reports.api.options import LinkageLike
 
-Moved = TypeVar("Moved", Motion, SteadyMotion)
+Moved = TypeVar("Moved", bound=SteadyMotion)
 
 
 def linkage_file(given: LinkageLike) -> LinkageFile:
@@ -43,11 +43,11 @@ def linkage_file(given: LinkageLike) -> LinkageFile:
 
 
 def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """The linkage in a variant, its own by default, without gravity if that is switched off; raises LinkproofError."""
-    if isinstance(given, Linkage):
-        result = given if variant is None else in_variant(given, variant)
+    """The linkage in a variant, its own by default, without gravity if that is switched off."""
+    if not isinstance(given, Linkage):
+        result = linkage_file(given).linkage(variant)
     else:
-        result = load(given, variant) if isinstance(given, str | Path) else linkage_file(given).linkage(variant)
+        result = given if variant is None else in_variant(given, variant)
     return result if gravity else without(result, "gravity")
 
 
@@ -59,8 +59,8 @@ def word_of(given: LinkageLike) -> str:
 
 
 def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
-    """The linkage in the motion's variant, the word a command names it by, and the motion with that variant."""
-    chosen = load_linkage(given, motion.variant)
+    """The linkage in the motion's variant and gravity, the word that names it, and the motion with that variant."""
+    chosen = load_linkage(given, motion.variant, gravity=motion.gravity)
     if isinstance(given, str | Path):
         return chosen, str(given), motion
     variant = None if chosen.variant == chosen.variants[0] else chosen.variant

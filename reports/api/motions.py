@@ -16,7 +16,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import without
 from analytic.description.crank_motion import (
     LARGEST,
     LAWS,
@@ -84,7 +83,7 @@ def requested_results(
     """
     if at is not None and time is not None:
         raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
-    case = requested_case(options, Mechanism(linkage if options.gravity else without(linkage, "gravity")))
+    case = requested_case(options, Mechanism(linkage))
     linkage, instants = case.mechanism.linkage, Instants(case.motion, turns=not case.mechanism.linkage.is_linear)
     if at is not None:
         return case, instants.times_of_angles(np.array(at), linkage.phi.mark, linkage.phi.unit.size)

@@ -66,6 +66,10 @@ class Option:
     affects_results: bool = True
 
 
+class Positive(Option):
+    """An option whose value is a positive finite number."""
+
+
 @dataclass(frozen=True)
 class Argument:
     """A positional argument of a command; the help of the command explains it."""
@@ -139,7 +143,9 @@ def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
 
 # Values: each is checked by the type of its option, whether it comes from Python or as a word.
 
-UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
+UNITS: Final = {
+    "RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB", "SHARE": ", such as 0.01",
+}  # fmt: skip
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -205,12 +211,13 @@ def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: 
 
 
 def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
-    """A number, whole where the option is, unchanged; raises LinkproofError for anything else."""
-    is_whole = int in (option.kind, *get_args(option.kind))
+    """A number; raises LinkproofError for anything else."""
+    is_whole, unit = int in (option.kind, *get_args(option.kind)), UNITS.get(option.info.metavar, "")
     if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
         what = "a whole number" if is_whole else "a number"
-        unit = UNITS.get(option.info.metavar, "")
         raise LinkproofError(f"{option.field.name}: expected {what}{unit}, got {shortened(repr(value))}; pass a number")
+    if isinstance(option.info, Positive) and not 0.0 < value < math.inf:
+        raise LinkproofError(f"--{option.name}: expected a positive finite number{unit}, got {value:g}; correct it")
     return value  # type: ignore[return-value]
 
 
@@ -470,7 +477,7 @@ class Bounds(Checked):
     With ``jobs=0`` runs are made in this process, without limits.
     """
 
-    time_limit: Annotated[float | None, Option("Wall time that one run may take; default: 600.", "SECONDS")] = None
-    memory_limit: Annotated[float | None, Option("Memory that one run may add; default: 4.", "GIB")] = None
+    time_limit: Annotated[float | None, Positive("Wall time that one run may take; default: 600.", "SECONDS")] = None
+    memory_limit: Annotated[float | None, Positive("Memory that one run may add; default: 4.", "GIB")] = None
     jobs: Jobs = None
     scheduler: Scheduler = None

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.description.changes import SPEED, without
+from analytic.description.changes import SPEED
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
@@ -41,8 +41,7 @@ def steady_case(
     ``scale_mass`` scales masses with lengths, ``refine`` is for the conditions in words. Raises LinkproofError for bad
     input.
     """
-    linkage = replace(linkage, scales_mass=scale_mass)
-    mechanism = Mechanism(linkage if options.gravity else without(linkage, "gravity"))
+    mechanism = Mechanism(replace(linkage, scales_mass=scale_mass))
     motion = options.motion
     case = requested_case(motion, mechanism)
     case.check_motion()

@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from reports.studies.engines import EngineFindings
     from reports.studies.trials import Benchmark, Comparison, StabilityMaps
 
-USUAL = Motion()
-UNBOUNDED = Bounds()
-
 
 @checked
 def engines(
@@ -101,7 +98,7 @@ def check_engine(engine: "Engine | str", jobs: int | None = None) -> "EngineFind
 @checked
 def compare(
     mechanisms: Mechanisms = (),
-    motion: Motion = USUAL,
+    motion: Motion = Motion(),
     *,
     engine: Engines = (),
     setting: Annotated[
@@ -136,7 +133,7 @@ def compare(
         str | Path | None,
         Option("Run nothing; write one run as a script that needs only its engine and numpy.", "FILE"),
     ] = None,
-    bounds: Bounds = UNBOUNDED,
+    bounds: Bounds = Bounds(),
     out: Out = None,
     announce: Announce = silent,
 ) -> "Comparison":
@@ -169,23 +166,24 @@ def compare(
     if bounds.jobs != 0 and script is None:
         start_workers("comparisons.trials.campaign.campaign")
     from reports.api import campaign
+    from reports.api.linkages import word_of
 
-    if script is not None and (any((quantity, limits, against, record, junit, out)) or bounds != UNBOUNDED):
+    if script is not None and (any((quantity, limits, against, record, junit, out)) or bounds != Bounds()):
         raise LinkproofError(
             "--script runs nothing: leave out every option but those of the engine, setting and motion"
         )
-    chosen = campaign.chosen_linkages(mechanisms, motion)
-    mechanisms = chosen.words
+    linkages, files = campaign.chosen_linkages(mechanisms, motion)
+    mechanisms = tuple(map(word_of, mechanisms))
     if script is not None:
-        request = campaign.request(chosen.linkages, motion, engine, setting)
+        request = campaign.request(linkages, motion, engine, setting)
         return campaign.script(request, Path(script), command_line(compare, locals()))
-    return campaign.comparison(compare, locals(), chosen).with_files(record, junit)
+    return campaign.comparison(compare, locals(), linkages, files).with_files(record, junit)
 
 
 @checked
 def bench(
     mechanisms: Mechanisms = (),
-    motion: Motion = USUAL,
+    motion: Motion = Motion(),
     *,
     engine: Engines = (),
     quantity: Annotated[
@@ -216,8 +214,10 @@ def bench(
         return kept
     start_workers("comparisons.trials.work_precision.measure")
     from reports.api.campaign import benchmark, chosen_linkages
+    from reports.api.linkages import word_of
 
-    linkages, _, mechanisms = chosen_linkages(mechanisms, motion)
+    linkages, _ = chosen_linkages(mechanisms, motion)
+    mechanisms = tuple(map(word_of, mechanisms))
     return benchmark(bench, locals(), linkages)
 
 

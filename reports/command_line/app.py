@@ -38,7 +38,7 @@ study_command(
 @checked
 def watch(
     mechanism: Annotated[str, Argument("MECHANISM", "mechanisms")],
-    motion: Motion = designer.USUAL,
+    motion: Motion = Motion(),
     *,
     opens: Annotated[bool, Option("Open no browser, only print the address.", flags=("--no-open",))] = True,
 ) -> None:

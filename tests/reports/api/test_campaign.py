@@ -59,11 +59,11 @@ def test_impossible_limits_are_refused(limits, words):
 def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     weightless = tmp_path / "weightless.toml"
     weightless.write_text(re.sub("^gravity.*$", "", find(JUKI).read_text(), flags=re.MULTILINE))
-    linkages, _, _ = chosen_linkages((JUKI, weightless), Motion())
+    linkages, _ = chosen_linkages((JUKI, weightless), Motion())
     conditions = {case.mechanism.linkage.name: case.conditions for case in each_case(request(linkages, Motion()))}
     assert conditions[JUKI].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
-    assert all(linkage.gravity == (0.0, 0.0) for linkage in chosen_linkages((), Motion(gravity=False)).linkages)
+    assert all(linkage.gravity == (0.0, 0.0) for linkage in chosen_linkages((), Motion(gravity=False))[0])
 
 
 ROOT = Path(__file__).parents[3]
@@ -75,7 +75,7 @@ def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(tmp
     for path in map(Path, paths):
         path.parent.mkdir(parents=True)
         path.write_text(read("juki-mf7923d").text, encoding="utf-8")
-    found = [file.name for file in chosen_linkages(paths, Motion()).files]
+    found = [file.name for file in chosen_linkages(paths, Motion())[1]]
     assert found == ["a-press", "a-parts-press", "b-parts-press"]
     with pytest.raises(LinkproofError, match=r"both called '.*-press'"):
         chosen_linkages((paths[0], tmp_path / paths[0]), Motion())

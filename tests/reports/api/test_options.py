@@ -33,7 +33,7 @@ class Film(Study):
 @checked
 def ask(
     mechanism: Mechanism,
-    motion: Motion = Motion(),  # noqa: B008 - frozen
+    motion: Motion = Motion(),
     *,
     film: Annotated[float | None, Option("Thickness of the oil film.", "MICROMETRES")] = None,
     at: Annotated[Numbers | None, Option("Angles.", "DEGREES")] = None,

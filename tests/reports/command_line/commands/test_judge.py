@@ -89,7 +89,7 @@ def test_json_on_stdout_is_one_object(folder):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--limit", "0"), "--limit: expected a positive share"),
+        (("--limit", "0"), "--limit: expected a positive finite number, such as 0.01, got 0"),
         ((), "say how the crank moves with --regime"),
     ],
 )
