@@ -303,7 +303,7 @@ def comparison(
 ) -> Comparison:
     """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
 
-    ``given`` are its arguments, ``files`` those of the ``linkages``. Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments, ``files`` those of ``linkages``. Raises LinkproofError for bad input before any run.
     """
     motion, bounds, command = given["motion"], run_bounds(given["bounds"]), command_line(function, given)
     asked = request(linkages, motion, given["engine"], given["setting"], given["quantity"])

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from analytic.errors import LinkproofError, shortened
+from analytic.errors import LinkproofError
 from reports.api.options import (
     Announce,
     Argument,
@@ -81,18 +81,9 @@ def check_engine(engine: "Engine | str", jobs: int | None = None) -> "EngineFind
     <Finding.PASSED: 'passed'>
     """
     start_workers("comparisons.trials.conformance.conformance")
-    from comparisons.trials.runs.plugins import engine as registered
-    from comparisons.trials.runs.run_engine import AdapterError
-    from reports.studies.engine_trials import engine_findings
-    from reports.studies.engines import EngineFindings
+    from reports.studies.engines import engine_findings
 
-    if not isinstance(engine, str) and not hasattr(engine, "run"):
-        raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
-    try:
-        adapter = registered(engine) if isinstance(engine, str) else engine
-        return EngineFindings(adapter.name, adapter.version() or "", engine_findings(adapter, jobs))
-    except AdapterError as error:
-        raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
+    return engine_findings(engine, jobs)
 
 
 @checked

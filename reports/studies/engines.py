@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+import re
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from importlib import metadata
+from typing import Any, Final
 
+import numpy as np
+
+from analytic import machine_code
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.loading import catalogue, load
+from analytic.errors import LinkproofError, install_words, shortened
+from analytic.machine_code import Result
+from analytic.operations import OperationList
+from comparisons.trials.campaign.campaign import CampaignRequest, compare
+from comparisons.trials.conformance.conformance import INSTALLED, check_engine
 from comparisons.trials.conformance.trial import CheckResult, Finding
+from comparisons.trials.judging.records import RunRecord
 from comparisons.trials.runs.environment import environment
 from comparisons.trials.runs.plugins import engines as registered
+from comparisons.trials.runs.run_engine import AdapterError, blamed_on
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
 from reports.designs.shelves import Listing
@@ -16,8 +31,10 @@ from reports.document.parts import Paragraph, Table, TableCell
 from reports.document.study import Study
 from reports.document.terminal import Printed, Printout
 from reports.records import printout, readout_table
-from reports.studies.engine_trials import SelfTest, engine_trials, machine_code_trial, optional_packages, places
 
+OPTIONAL: Final = re.compile(r"""^([\w.-]+).*;\s*extra\s*==\s*["']([\w-]+)["']""")
+SPEED: Final = 1000.0 * RPM
+NOT_FOR_USERS: Final = {"dev", "docs", "all"}  # extras
 REPORT = (
     "With a bug report, send the output of `linkproof engines --try`, the linkage file, the command and what it "
     "printed. If an engine failed, run the command again with LINKPROOF_WORKER_OUTPUT=1 before it."
@@ -99,14 +116,106 @@ class EngineFindings(Study):
         return [f"{each.check}: {each.detail}" for each in self.checks if each.finding is Finding.FAILED]
 
 
+def engine_findings(engine: Engine | str, processes: int | None = None) -> EngineFindings:
+    """The results of every check of an adapter, given by its name or as an object, in worker ``processes``.
+
+    Raises LinkproofError if there is nothing to check, or if the adapter cannot be loaded.
+    """
+    if not isinstance(engine, str) and not hasattr(engine, "run"):
+        raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
+    try:
+        adapter = registered([engine])[0] if isinstance(engine, str) else engine
+        if isinstance(adapter, Unusable):
+            with blamed_on(adapter):
+                raise adapter.error
+        checks = check_engine(adapter, processes)
+    except AdapterError as error:
+        raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
+    for each in checks:
+        if each.check == INSTALLED and each.finding is Finding.NOT_TESTED:
+            raise LinkproofError(f"expected an engine to check, got none: {each.detail}")
+    return EngineFindings(adapter.name, adapter.version() or "", checks)
+
+
+# What ``engines --try`` does: it tries installed packages, engines and compiler.
+
+
+@dataclass(frozen=True)
+class SelfTest:
+    """A test of an engine or a package: whether it ``works``, None if it is not installed, with a ``detail``."""
+
+    name: str
+    version: str
+    works: bool | None
+    detail: str
+
+
+def engine_trials() -> list[SelfTest]:
+    """How a short run of every engine ended, the run-up of one of the catalogue's linkages, in worker processes.
+
+    Those that are not installed are there too.
+    """
+    reasons = {adapter.name: why_unavailable(adapter) for adapter in registered(engine_names())}
+    trial = CampaignRequest(
+        (load(catalogue()[0]),),
+        (crank_motion("run-up", speed=SPEED, ramp_time=0.6, hold_time=0.1),),
+        "",
+        tuple(name for name, reason in reasons.items() if reason is None),
+        quantities=("Mkr",),
+        with_invariants=False,
+    )
+    tried = {run.engine: _trial_of_run(run) for run in compare(trial)}
+    absent = {name: SelfTest(name, "", None, reason) for name, reason in reasons.items() if reason is not None}
+    return [(absent | tried)[name] for name in engine_names()]
+
+
+def _trial_of_run(run: RunRecord) -> SelfTest:
+    """An engine's short run as a SelfTest: it works if the torque has an error."""
+    (torque,) = run.errors
+    if torque.error_max is None:
+        return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
+    detail = f"simulates; error of the torque {torque.error_max:.1e} of its peak, {run.total_seconds:.2g} s"
+    return SelfTest(run.engine, run.engine_version, True, detail)
+
+
+def machine_code_trial() -> SelfTest:
+    """Whether Numba compiles a function of one operation, as a SelfTest, which says so where it is not installed."""
+    if not machine_code.is_installed():
+        return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
+    trace, begin = OperationList(), time.perf_counter()
+    number = trace.input("number")
+    line = trace.line(number + 1.0)
+    version = metadata.version("numba")
+    try:
+        function = machine_code.StraightFunction(trace, [number.line], [], [Result(line)])
+        (result,) = function([1.0], np.zeros((1, 0)), 1)
+    except Exception as error:  # whatever a broken compiler raises
+        return SelfTest("machine code", version, False, " ".join(f"{type(error).__name__}: {error}".split()))
+    return SelfTest("machine code", version, bool(result == 2.0), f"compiles, {time.perf_counter() - begin:.2g} s")
+
+
+def optional_packages() -> list[SelfTest]:
+    """Packages of the extras except engines, each as a SelfTest with its version, or the command that installs it."""
+    matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
+    named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
+    return [_package_trial(package, extra) for package, extra in named.items() if extra not in engine_names()]
+
+
+def _package_trial(package: str, extra: str) -> SelfTest:
+    """A package's version, or the command that installs its extra, as a SelfTest."""
+    try:
+        return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
+    except metadata.PackageNotFoundError:
+        return SelfTest(package, "", None, f"{install_words(extra)} installs it")
+
+
 def tried_engines() -> Listing:
     """A trial of every engine and of the compiler, with the facts that a bug report needs, as a Listing.
 
     Its exit code is 1 if anything installed does not work.
     """
-    facts, tried, packages = environment(), engine_trials(), optional_packages()
-    compiler, where = machine_code_trial(), places()
-    trials = [*tried, compiler]
+    facts, packages = environment(), optional_packages()
+    trials = [*engine_trials(), machine_code_trial()]
     tables: list[Printed] = [
         ", ".join(f"{name} {facts[name]}" for name in ("linkproof", "python", "numpy", "scipy") if name in facts),
         f"{facts['machine']}; commit {facts['commit']}",
@@ -115,14 +224,11 @@ def tried_engines() -> Listing:
         "",
         _trials_table(packages, "package"),
         "",
-        *(f"{name}: {place}" for name, place in where.items()),
-        "",
     ]
     table = {
         "environment": facts,
         "trials": [asdict(trial) for trial in trials],
         "packages": [asdict(package) for package in packages],
-        "places": where,
     }
     return Listing(tables, table, [Paragraph(REPORT)], 1 if any(trial.works is False for trial in trials) else 0)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -179,33 +178,15 @@ class Comparison(Trials):
         ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with
         ``setup_seconds``, ``seconds`` of stepping and ``steps`` of each.
         """
-        import xarray  # noqa: PLC0415  half a second that records alone save
-
-        runs = {run.run: run for run in self.results.runs}
-        quantities = list(dict.fromkeys(record.quantity for record in self.records))
-        places = {(record.run, record.quantity): record for record in self.records}
-
-        def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
-            """A field of the records as the dataset's dimensions and a table over them.
-
-            ``lacking`` where there is no record.
-            """
-            groups = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
-            return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in groups]
-
-        labels = {name: ("run", [run[number] for run in runs]) for number, name in enumerate(RUN)}
-        return xarray.Dataset(
-            {
-                **{name: (*cells(name, math.nan), {"units": "1"}) for name in ("error_max", "error_rms", "limit")},
-                "outcome": cells("outcome", ""),
-                **{
-                    name: ("run", [getattr(run, name) for run in runs.values()], {"units": "s"})
-                    for name in ("setup_seconds", "seconds")
-                },
-                "steps": ("run", [run.steps for run in runs.values()]),
-            },
-            coords={"quantity": quantities, **labels},
-        )
+        shares, times = ["error_max", "error_rms", "limit"], ["setup_seconds", "seconds"]
+        frame = self.to_pandas().astype(dict.fromkeys(shares, float))
+        runs = frame.groupby([*RUN], sort=False)
+        cells = frame.assign(run=runs.ngroup()).set_index(["run", "quantity"])[[*shares, "outcome"]].to_xarray()
+        of_runs = runs[[*times, "steps"]].first().reset_index().rename_axis("run").to_xarray()
+        dataset = cells.fillna({"outcome": ""}).merge(of_runs).set_coords([*RUN]).drop_vars("run")
+        for name in (*shares, *times):
+            dataset[name].attrs["units"] = "1" if name in shares else "s"
+        return dataset
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,7 +16,7 @@ from comparisons.trials.judging.records import RunRecord, Verdict
 from engines.registry import own_names
 from reports.api.options import Motion
 from reports.api.trials import check_engine, compare
-from reports.studies import engine_trials
+from reports.studies import engines as studied
 from tests.commands import linkproof, refused
 from tests.comparisons.trials.conformance.wrong_engines import Direct, PrintingEngine
 from tests.test_economy import EXTRAS
@@ -85,23 +85,22 @@ def test_an_engine_that_cannot_be_checked_is_refused(checked, engine, words):
 def test_every_engine_and_the_compiler_are_tried_without_the_packages_of_extras(tmp_path, monkeypatch, names):
     for package in EXTRAS:
         monkeypatch.setitem(sys.modules, package, None)
-    monkeypatch.setattr("reports.studies.engine_trials.engine_names", lambda: names)
+    monkeypatch.setattr("reports.studies.engines.engine_names", lambda: names)
     done = linkproof("engines", "--try", "--json", cwd=tmp_path)
     facts = json.loads(done.stdout)
     assert done.returncode == 0, done.stdout
     assert [trial["name"] for trial in facts["trials"]] == [*names, "machine code"]
     assert all(trial["works"] is not False for trial in facts["trials"])
-    assert set(facts["places"]) == {"temporary files", "matplotlib's cache"}
 
 
 def test_an_engine_that_crashes_or_is_absent_does_not_work(monkeypatch):
     run = RunRecord("m", "base", "run-up", "", "barwork", "3", "tuned")
     crashed = run.blank._replace(quantity="Mkr", outcome=Verdict.CRASHED, detail="-11")
-    monkeypatch.setattr(engine_trials, "compare", lambda _: [replace(run, errors=(crashed,))])
-    monkeypatch.setattr(engine_trials, "engine_names", lambda: ("barwork", "direct"))
+    monkeypatch.setattr(studied, "compare", lambda _: [replace(run, errors=(crashed,))])
+    monkeypatch.setattr(studied, "engine_names", lambda: ("barwork", "direct"))
     lacking = [SimpleNamespace(name=name, why_unavailable=lambda: "not installed") for name in ("barwork", "direct")]
-    monkeypatch.setattr(engine_trials, "engines", lambda _: lacking)
-    tried, absent = engine_trials.engine_trials()
+    monkeypatch.setattr(studied, "registered", lambda _: lacking)
+    tried, absent = studied.engine_trials()
     assert (tried.works, tried.detail) == (False, "crashed: -11")
     assert (absent.name, absent.works, absent.detail) == ("direct", None, "not installed")
 
@@ -146,11 +145,11 @@ def test_a_script_names_its_run_and_the_command_that_wrote_it(tmp_path):
 
 @pytest.mark.parametrize(("changes", "sentence"), [
     ({"setting": ("best",)}, "it is 4 runs extrapolated, and a script holds one: export 'tuned'"),
-    ({"setting": ("all",)}, "got 1 motions and 3 settings: name one --regime and one --setting"),
+    ({"setting": ("all",)}, "1 motions and 3 settings: name one MECHANISM, --engine, --regime and --setting"),
     ({"engine": ("direct",)}, r"whose loop is a module of its own \(a LoopEngine\), got 'direct': export another"),
     ({"engine": ("exudin",)}, "did you mean 'exudyn'"),
-    ({"engine": ("direct", "exudyn")}, "got 1 mechanisms and 2 engines: name one MECHANISM and one --engine"),
-    ({"mechanisms": ()}, r"got \d+ mechanisms and 1 engines"),
+    ({"engine": ("direct", "exudyn")}, "got 1 mechanisms, 2 engines"),
+    ({"mechanisms": ()}, r"got \d+ mechanisms, 1 engines"),
     ({"script": "none/case.py"}, "--script none/case.py: the folder 'none' does not exist"),
     ({"quantity": ("Mkr",)}, "--script runs nothing: leave out every option but"),
 ])  # fmt: skip
