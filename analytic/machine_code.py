@@ -109,7 +109,7 @@ def is_traceable(mechanism: Mechanism) -> bool:
 
 @once_per_mechanism
 def _traces_by_request(_: Mechanism) -> dict[object, LinkageTrace]:
-    """The cache of a mechanism: its lists of operations by the request they were made for."""
+    """The cache of a mechanism, {} at first: its lists of operations by the request they were made for."""
     return {}
 
 

@@ -381,7 +381,10 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
 
 
 def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[str, NamedSignal]]:
-    """The thread's length, and its feed where it has a zero, by name: an eye's extreme position needs a full turn."""
+    """Yield the thread's length, and its feed where it has a zero, by name.
+
+    An eye's extreme position, from which it counts, needs a full turn.
+    """
     with suppress(LinkproofError):
         start = reference_length(mechanism, path)
         yield (

@@ -179,7 +179,10 @@ def _kind_of_regime(keys: Sequence[str]) -> str:
 
 @contextmanager
 def _errors_at(reader: Reader, where: str) -> Iterator[None]:
-    """In the block, make an error of a motion a DescriptionError that begins with ``where``, its place in the file."""
+    """In the block, turn an error of a motion into a DescriptionError.
+
+    Its message begins with ``where``, the motion's place in the file.
+    """
     try:
         yield
     except LinkproofError as error:

@@ -53,7 +53,10 @@ class Segment:
         return (self.start, self.end, *self._zeros(order + 1))
 
     def _zeros(self, order: int) -> list[float]:
-        """Times inside the segment, s, at which a derivative of φ of this order is zero."""
+        """Times inside the segment, s, at which a derivative of φ of this order is zero.
+
+        [] without any or where it always is.
+        """
         length = self.end - self.start
         terms = np.array(derivative(self.coefficients, order), dtype=float)
         terms *= np.float_power(length, np.arange(len(terms) - 1, -1, -1))
@@ -331,7 +334,7 @@ class Wave:
     last: int
 
     def pieces(self) -> Iterator[Segment]:
-        """The wave as polynomials, each over an eighth of its turn."""
+        """Yield the wave as polynomials, each over an eighth of its turn."""
         count = self.last - self.first
         length = (self.end - self.start) / count
         rate = EIGHTH / length

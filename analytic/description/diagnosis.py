@@ -169,7 +169,7 @@ def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - an annotation may be anything
-    """The table models inside an annotation such as ``dict[str, LinkTable]`` or ``SketchTable | None``."""
+    """Yield the table models inside an annotation such as ``dict[str, LinkTable]`` or ``SketchTable | None``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for argument in getattr(annotation, "__args__", ()):

@@ -432,7 +432,7 @@ class Linkage:
         return result
 
     def numbers_of(self, part: str) -> Iterator[Number]:
-        """Every number of one field of the linkage, named ``part``, with its path, kind and value, SI."""
+        """Every number of one field of the linkage, named ``part``, as an iterator of paths, kinds and values, SI."""
         return walk(getattr(self, part), number_fields(Linkage)[part], (part,))
 
     @property

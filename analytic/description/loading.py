@@ -304,7 +304,7 @@ def check_characters(raw: Mapping[str, Any], source: Source) -> None:
 
 
 def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
-    """Every text of a document with its keys, and every key with "" as text, in depth."""
+    """Yield every text of a document with its keys, and every key with "" as text, in depth."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield [*keys, key], ""

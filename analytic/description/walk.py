@@ -28,9 +28,9 @@ class Number(NamedTuple):
 
 
 def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Number]:  # noqa: ANN401 - any part
-    """Every number of a part with its path and kind, in the order of fields; ``kind`` is that of the part's field.
+    """Yield every number of a part with its path and kind, in the order of fields.
 
-    ``path`` leads to the part itself and begins every number's.
+    ``kind`` is the part's own field's.
     """
     if isinstance(part, tuple | list | Mapping):
         for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
@@ -102,7 +102,7 @@ def number_fields(part: type) -> Mapping[str, Kind | None]:
 
 
 def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint may be anything
-    """Every instance of ``what`` that stands in a hint such as ``tuple[Spring, ...]`` or ``Position | None``."""
+    """Yield every instance of ``what`` that stands in a hint such as ``tuple[Spring, ...]`` or ``Position | None``."""
     if isinstance(hint, what):
         yield hint
     for inner in hint if isinstance(hint, tuple) else (*get_args(hint), *getattr(hint, "__metadata__", ())):

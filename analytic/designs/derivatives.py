@@ -155,7 +155,7 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
 @once_per_mechanism
 def _zeros_of_s(_: Mechanism) -> dict[object, Curve]:
-    """The cache of a mechanism: where S counts from, by the design's numbers."""
+    """The cache of a mechanism, {} at first: where S counts from, by the design's numbers."""
     return {}
 
 
@@ -280,7 +280,10 @@ class _Design:
         return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), grid, STILL)[0]
 
     def extremes(self, extremes: Sequence[SignalExtreme], grid: Array, zero_of_s: Curve) -> list[Curve]:
-        """The value of each extreme, refined between a grid's places, with its derivatives (parameters,), in order."""
+        """The value of each extreme, refined between a grid's places, with its derivatives (parameters,), in order.
+
+        S counts from ``zero_of_s``.
+        """
         if not extremes:
             return []
         signals = [extreme.signal for extreme in extremes]
@@ -296,7 +299,10 @@ class _Design:
         return result
 
     def means(self, figures: Sequence[Figure], grid: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
-        """Each mean over a grid's whole length and its derivatives (parameters,) by figure, from one integration."""
+        """Each mean over a grid's whole length and its derivatives (parameters,) by figure, from one integration.
+
+        S counts from ``zero_of_s``.
+        """
         if not figures:
             return {}
         count, signals = len(self.parameters), [quantity.signal for quantity in figures]

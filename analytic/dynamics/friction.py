@@ -51,7 +51,7 @@ class Contact(NamedTuple):
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
-    """Each joint with friction, as a ``Contact``: its friction per force, relative rate over φ, and unit loads."""
+    """Yield each joint with friction as a ``Contact``: friction per force, relative rate over φ, unit loads."""
     linkage, friction = sweep.linkage, sweep.linkage.friction
     for pin in linkage.pins:
         if pin.point in friction:

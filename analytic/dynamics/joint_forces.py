@@ -283,12 +283,15 @@ def _wrenches_by_equilibrium(balance: LinkBalance, group: Group) -> list[tuple[G
 
 
 def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
-    """The array shapes of all components of unit reactions, so that they can be broadcast together."""
+    """Yield the array shapes of all components of unit reactions, so that they can be broadcast together."""
     yield from (np.shape(part) for _, unit in columns for part in (*unit.far, *unit.near))
 
 
 def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
-    """A unit reaction for each unknown of a joint: a pin's x and y, a slide's force and moment, a cylinder's push."""
+    """Yield a unit reaction for each unknown of a joint.
+
+    They are a pin's x and y, a slide's force and moment, a cylinder's push.
+    """
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
         for force in ((1.0, 0.0), (0.0, 1.0)):

@@ -52,7 +52,7 @@ Elastic = Spring | TorsionSpring
 
 
 def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
-    """Every load while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²), joint friction apart.
+    """Yield every load while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²), joint friction apart.
 
     Both are signed, of the sweep's shape or scalar.
     """
@@ -68,7 +68,7 @@ def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Loa
 
 
 def external_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
-    """Loads without a reaction on the linkage: weights, inertia forces, forces at points, torques on links."""
+    """Yield loads without a reaction on the linkage: weights, inertia forces, forces at points, torques on links."""
     for link in sweep.linkage.links.values():
         yield _mass_load(sweep, link, speed, acceleration)
     for load in sweep.linkage.applied:
@@ -92,7 +92,7 @@ def _mass_load(sweep: Sweep, link: Link, speed: Scalar, acceleration: Scalar) ->
 
 
 def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) -> Iterator[Load]:
-    """A force or a torque on its link, and its reverse on the body that takes the reaction, at the same place.
+    """Yield a force or a torque on its link, and its reverse on the body that takes the reaction, at the same place.
 
     ``speed`` is that of the driver: a load of one direction acts by its sign, at rest as if φ grew.
     """
@@ -114,7 +114,7 @@ def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) ->
 
 
 def elastic_loads(sweep: Sweep) -> Iterator[tuple[Elastic, Between]]:
-    """Each spring and torsion spring with its pair of loads, without that of its dashpot."""
+    """Yield each spring and torsion spring with its pair of loads, without that of its dashpot."""
     for spring in sweep.linkage.springs:
         span = _span(sweep, spring)
         yield spring, _pull(sweep, spring, spring.stiffness * (1.0 - spring.length * _inverse_length(span)))
@@ -133,7 +133,7 @@ def stored_energy(sweep: Sweep) -> Scalar:
 
 
 def drags(sweep: Sweep) -> Iterator[Between]:
-    """For each dashpot and damper its pair of loads at unit speed of the driver, N and N m."""
+    """Yield for each dashpot and damper its pair of loads at unit speed of the driver, N and N m."""
     for spring in sweep.linkage.springs:
         if not frames.is_zero(spring.damping):
             span = _span(sweep, spring)

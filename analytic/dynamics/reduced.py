@@ -115,7 +115,7 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
 
 
 def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Elastic, Array]]:
-    """Each force, torque and spring with its generalised force over φ, N m; dashpots and dampers are left out.
+    """Yield each force, torque and spring with its generalised force over φ, N m; dashpots and dampers are left out.
 
     Loads of one direction act by the sign of ``speed``.
     """

@@ -160,7 +160,7 @@ class ChangePoints:
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
     def patches_at(self, angle: Any, known: Windows) -> Iterator[tuple[Patch, Window]]:  # noqa: ANN401
-        """Each patch that holds some of the crank angles, rad, with its window of them.
+        """Yield each patch that holds some of the crank angles, rad, with its window of them.
 
         ``known`` keeps the windows found for these angles. In extended precision only angles nearer to a change point
         than any node count.

@@ -162,7 +162,7 @@ class _ChangePointSearch:
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
 
     def _touches(self, number: int) -> Iterator[Touch]:
-        """The touches at which the dyad's margin of reach comes down to zero, in the order of the crank angle.
+        """Yield the touches at which the dyad's margin of reach comes down to zero, in the order of the crank angle.
 
         Those that merge are noted as undetermined instead.
         """
@@ -254,7 +254,7 @@ class _ChangePointSearch:
         return best[1]
 
     def _series(self, number: int, touch: Touch, half: float) -> Iterator[Any]:
-        """For each order, the coefficients (NODES, parts) of both links' series about a change point.
+        """Yield, for each order, the coefficients (NODES, parts) of both links' series about a change point.
 
         The patch reaches ``half``, rad, to either side.
         """

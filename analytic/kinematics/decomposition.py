@@ -86,7 +86,7 @@ class Matching:
         return self.sizes[name] == BODY
 
     def _from_driver(self) -> Iterator[int]:
-        """Numbers of the equations, the nearest to the driver first, so that no body they carry is locked."""
+        """Yield numbers of the equations, the nearest to the driver first, so that no body they carry is locked."""
         left, known = dict(enumerate(self.equations)), set[str]()
         while near := [number for number, ends in left.items() if len(ends) == 1 or {*ends} & known] or [*left]:
             yield from near
@@ -214,9 +214,9 @@ class _PlacedBodies:
         return divide(tuple(sizes.items()), tuple(filter(None, unknown)))
 
     def joints(self, *bodies: str) -> Iterator[Any]:
-        """The joints of these bodies with placed bodies, seen from these, and with each other, seen from the first.
+        """Yield the joints of these bodies with placed ones, seen from these, and with each other.
 
-        Of several placed bodies on a pin the ground, or else the first by name, counts.
+        Those with each other are seen from the first.
         """
         order = {name: number for number, name in enumerate(bodies, start=2)}
         known = self.placed | {*bodies}
@@ -253,7 +253,10 @@ class _PlacedBodies:
         return Group(links, joints, _class_of_group(links, joints))
 
     def _dyad(self, *links: str) -> Dyad:
-        """The dyad of two links by the kinds of its joints, its links in the order of the kind's name."""
+        """The dyad of two links by the kinds of its joints, its links in the order of the kind's name.
+
+        Raises StructureError for joints between them that make none.
+        """
         for first, second in (links, links[::-1]):
             found: dict[Any, Any] = {(j.near in self.placed, j.far): j for j in self.joints(second, first)}
             joints: list[Any] = [found.get(key) for key in ((True, first), (False, first), (True, second))]

@@ -535,7 +535,7 @@ class RPR(_SlideDyad):
         return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """The line's offset becomes the distance of the pins, so that the line just touches A."""
+        """Set the line's offset to the distance of the pins, so that the line just touches A."""
         self.offset += np.sign(self.offset) * margin
 
     def fault(self, at: At, written: Written) -> Shortfall:

@@ -164,7 +164,7 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
 
 
 def _named_points(sweep: Sweep) -> Iterator[tuple[str, Vector]]:
-    """Each named point and mass centre of all links, in the order in which these are solved: link and place, m."""
+    """Yield each named point and mass centre of all links as link and place, m, in the order of solving."""
     solved = [sweep.linkage.crank, *(body for group in sweep.structure.groups for body in group.links)]
     for body in solved:
         if body in sweep.linkage.links:

@@ -22,7 +22,10 @@ Motions = Mapping[str, Motion]
 
 
 def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinate: Scalar) -> list[Scalar]:
-    """Every equation of an order, 0 where it is met, at n values of φ: lengths in m, angles by their sine."""
+    """Every equation, derived ``order`` times over φ, 0 where it is met.
+
+    Lengths are in m, angles by their sine, each at n values of φ.
+    """
     rows: list[Scalar] = []
     for joint in joints:
         near, far = motions[joint.near], motions[joint.far]

@@ -133,7 +133,10 @@ class Sweep:
         return second
 
     def _solve(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
-        """Pose of a body or its derivative of an order; solves its group, and those before it, as far as needed."""
+        """Pose of a body or its derivative of an order; solves its group, and those before it, as far as needed.
+
+        Raises UnknownNameError for no link, AssemblyError where a group cannot be assembled or move.
+        """
         known = self._known[order]
         if body not in known:
             if body not in self._needs:

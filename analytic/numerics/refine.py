@@ -139,7 +139,7 @@ def first_highest(sampled: Tops, climbed: Array, count: int, sizes: Array | floa
 
 
 def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
-    """The height of each top, (n,), and a place where it is as high to ``MISSED``."""
+    """The height of each top, (n,), refined by ``heights``, and a place where it is as high to ``MISSED``."""
     result = np.empty((2, len(sampled.curve)))
     x, y = sampled.places, sampled.heights
     left: Integers = np.arange(len(x))

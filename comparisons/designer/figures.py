@@ -92,7 +92,10 @@ def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
         return
 
     def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[SignalFigure]:
-        """Figures ``what`` of torque, power and speed with these values, at one instant if ``time``, s, is given."""
+        """Figures ``what`` of torque, power and speed with these values, as an iterator.
+
+        At one instant, s, if given.
+        """
         return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
 
     force = curves.linkage.phi.effort
@@ -529,7 +532,8 @@ def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[floa
 def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
     """The case that figures are printed for: a ``regime``, or a steady ``speed``, rad/s.
 
-    Such a crank makes a turn, or turns up to the angle ``end``, rad, where one is given.
+    Such a crank makes a turn, or turns up to the angle ``end``, rad, where one is given. Raises UnknownNameError for an
+    unknown regime, and LinkproofError for a crank that makes no turn.
     """
     regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in regimes:

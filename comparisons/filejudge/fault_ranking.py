@@ -264,7 +264,10 @@ class _OnALine(Fitting):
         self.ends = [whole.residuals(fault, self.start + change) for change in np.diag(self.sizes)]
 
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
-        """Residuals (n,) of every column, as a linear function of the fault's numbers; simulated where that failed."""
+        """Residuals (n,) of every column, as a linear function of the fault's numbers; simulated where that failed.
+
+        None where they cannot be simulated either.
+        """
         remains = list(self.before)
         for end, share in zip(self.ends, (np.asarray(numbers) - self.start) / self.sizes, strict=True):
             if end is None:
@@ -499,9 +502,10 @@ class _Search:
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Rivals to name beside the best fit: beside a column or setting those up to one number, else up to several.
+    """Rivals to name beside the best fit, as an iterator in their order.
 
-    Freer ones, such as a factor that no unit explains, are left out, unless the best one is as free.
+    Beside a column or setting they are those up to one number, else up to several. Freer ones, such as a factor that no
+    unit explains, are left out, unless the best one is as free.
     """
     kind, _ = best.rank
     most = FaultKind.NUMBER if kind <= FaultKind.SETTING else max(FaultKind.SEVERAL, kind)

@@ -40,11 +40,11 @@ class Study:
     """The files that the function has written."""
 
     def printout(self) -> Printout:
-        """The output of the command."""
+        """The output of the command; each study has its own."""
         raise NotImplementedError
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The data that the command prints as JSON."""
+        """The data that the command prints as JSON; each study has its own."""
         raise NotImplementedError
 
     def json(self) -> str:

@@ -74,7 +74,10 @@ def released_section(sheet: Sheet) -> Section:
 
 
 def _released_figures(sheet: Sheet, regime: str, motion: Released) -> Iterator[PageFigure]:
-    """Figures of the crank's speed over time, and of speed and acceleration over a last whole turn if it makes one."""
+    """Yield a figure of the crank's speed over time, and one of the last whole turn, if it makes one.
+
+    That has speed and acceleration over φ.
+    """
     name, words = anchor("released", regime), f"Crank speed under {regime}."
     speed = {"n, rpm": motion.motion["omega"] / RPM}
     drawing = partial(_plot_panels, motion.motion["time"], "time, s", speed)

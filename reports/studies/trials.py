@@ -66,7 +66,10 @@ class Trials(Study):
         self.module.save(folder, self.results)
 
     def write(self, folder: str | Path) -> Path:
-        """Write runs, unless the folder keeps them already, and pages; returns the first page's path."""
+        """Write runs, unless the folder keeps them already, and pages; returns the first page's path.
+
+        Raises LinkproofError where the pages cannot be written.
+        """
         from reports.site import write_site  # noqa: PLC0415 - figures cost seconds that a table does not pay
 
         place = Path(folder)

@@ -237,7 +237,7 @@ def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
 
 
 def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
-    """The rows of the curves' CSV file, a row for each sample of each curve."""
+    """Yield the rows of the curves' CSV file, a row for each sample of each curve."""
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:

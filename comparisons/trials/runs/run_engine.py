@@ -77,7 +77,7 @@ class _Named(Protocol):
 
 @contextlib.contextmanager
 def blamed_on(adapter: _Named) -> Iterator[None]:
-    """In the block, turn any exception into an AdapterError, except MemoryError and an exit.
+    """In the block, raise an AdapterError for any exception, except MemoryError and an exit.
 
     An interruption is the user's in a process that hears Ctrl-C, and the adapter's in a worker.
     """

@@ -180,7 +180,7 @@ class _Curves(Mapping[str, Curve]):
         return np.array([np.frombuffer(blob, dtype="<f4") for blob in blobs])
 
     def __iter__(self) -> Iterator[str]:
-        """Names of the quantities that have a curve, in the order of writing."""
+        """An iterator over the names of the quantities that have a curve, in the order of writing."""
         names = self.connection.execute("SELECT name FROM curves WHERE run = ? ORDER BY rowid", (self.run,))
         return (name for (name,) in names.fetchall())
 
@@ -323,10 +323,7 @@ def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> A
 
 @contextmanager
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
-    """In the block, turn errors of reading or writing the folder's file into LinkproofError.
-
-    ``kind`` is the study's.
-    """
+    """In the block, turn errors of reading or writing the folder's file into LinkproofError, which is raised."""
     import sqlite3  # noqa: PLC0415
 
     try:

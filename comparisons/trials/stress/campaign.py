@@ -151,7 +151,7 @@ class Stress:
 
     @cached_property
     def axes(self) -> tuple[str, ...]:
-        """Names of the axes, in the order of their table."""
+        """Names of the axes that have cells, each once, in the order of the cells."""
         return tuple(dict.fromkeys(result.axis for result in self.results))
 
     @cached_property

@@ -190,7 +190,7 @@ class Rounds:
         return [run for run in every if run.outcome == Outcome.FINISHED]
 
     def is_worth_repeating(self, point: BenchRun, number: int) -> bool:
-        """Whether a point takes part in the round ``number``: it has finished before, and has not taken too long."""
+        """Whether a point takes part in the round ``number``: it has finished, and its repeats were short enough."""
         before = self.repeats(point, number)
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
