@@ -134,7 +134,10 @@ class OperationList:
     def _computing_order(
         self, outputs: tuple[int, ...], known: frozenset[int]
     ) -> list[tuple[int, Operation, list[int]]]:
-        """The lines to compute in order, each with the lines that are needed for the last time there."""
+        """The lines to compute for the ``outputs``, in order, each with the lines needed for the last time there.
+
+        Lines ``known`` are not computed.
+        """
         key = (outputs, known, len(self.operations))
         if key not in self._plans:
             needed = [line for line in self.lines_needed(outputs, known) if line not in known]

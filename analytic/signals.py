@@ -398,7 +398,10 @@ def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[st
 
 
 def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
-    """The signals of a kind, by name: every component of each of its parts (points, links, joints)."""
+    """The signals of a kind, by name: every component of each of its parts (points, links, joints).
+
+    ``formula`` computes one of them by name and component.
+    """
     is_place = kind != "joint_force"
     return {
         f"{kind}:{part}:{component}": NamedSignal(

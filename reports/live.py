@@ -433,7 +433,10 @@ def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str, Any]:
-    """The data of a motion: its pieces and, if it has only one speed, that speed, rpm, to be changed."""
+    """The data of a motion: its pieces and, if it has only one speed, that speed, rpm, to be changed; JSON-ready.
+
+    ``has_ends`` is a cylinder's.
+    """
     segments = [[segment.start, segment.end, list(segment.coefficients)] for segment in motion.segments]
     first = motion.segments[0].coefficients
     is_steady = len(segments) == 1 and len(first) == 2

@@ -146,7 +146,10 @@ class PageServer(ThreadingHTTPServer):
     """
 
     def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None]) -> None:
-        """Listen on a free port of this machine, under an address that cannot be guessed."""
+        """Listen on a free port of this machine, under an address that cannot be guessed.
+
+        ``page`` and ``save`` are those of the class.
+        """
         self.page, self.save = page, save
         self._open: dict[socket, None] = {}
         super().__init__((HOST, 0), _Request)

@@ -173,7 +173,10 @@ class Standstill(CrankMotion):
 
 
 def check_number(name: str, value: float, unit: str, least: float) -> None:
-    """Raise LinkproofError for a number of a motion that is not finite, below ``least`` or beyond LARGEST."""
+    """Raise LinkproofError for a number of a motion that is not finite, below ``least`` or beyond LARGEST.
+
+    ``name`` and ``unit`` are for the message.
+    """
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "finite" if least < 0.0 else "positive finite" if least else "finite, not negative"
         raise LinkproofError(f"{name}: expected a {kind} number of {unit}, got {value:g}; correct it")
@@ -359,7 +362,10 @@ class MotionLaw:
 
 
 def _polynomial_law(peak: float, *coefficients: float, at_rest: bool = True) -> MotionLaw:
-    """A law that is one polynomial on [0, 1], lowest power first; ``peak`` is its largest slope."""
+    """A law that is one polynomial on [0, 1], lowest power first; ``peak`` is its largest slope.
+
+    ``at_rest``: it begins and ends at rest.
+    """
     return MotionLaw((Segment(0.0, 1.0, coefficients),), peak, at_rest)
 
 

@@ -157,7 +157,10 @@ def shown(value: object) -> str:
 
 
 def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
-    """Names of the keys, sorted, that the table at this path of keys may have; [] for an unknown path."""
+    """Names of the keys, sorted, that the table at the path ``parents`` of keys may have; [] for an unknown path.
+
+    ``root`` is the model of the whole file.
+    """
     model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:

@@ -63,7 +63,8 @@ def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
 def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
     """Give every key of a table, and of the tables in it, the description that error messages use; in place.
 
-    ``outermost`` is the key of the file in which the table stands; "" for the file itself.
+    ``definitions`` are the schema's tables by name, ``outermost`` is the key of the file in which the table stands; ""
+    for the file itself.
     """
     for key, part in table.get("properties", {}).items():
         root = outermost or key

@@ -142,7 +142,10 @@ class LawOfNumbers(Law):
     numbers: tuple[Any, ...] = ()
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> Any:  # noqa: ANN401 - what the numbers are
-        """Components, N or N m, as a tuple; places and numbers that are arrays are broadcast together."""
+        """Components, N or N m, or their derivatives of an order, as a tuple, at ``angle``, rad or m.
+
+        Places and numbers that are arrays are broadcast together.
+        """
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
         unit = np.eye(len(rows))

@@ -159,7 +159,8 @@ def document(
 ) -> tuple[dict[str, Any], tuple[str, ...], Source]:
     """A file's text as nested dictionaries, a variant laid over it; with the names of all variants, and the source.
 
-    Raises as ``parse`` does, except for faults that only the whole linkage shows.
+    ``origin`` is where the text came from, for messages; None is the variant of the file itself. Raises as ``parse``
+    does, except for faults that only the whole linkage shows.
     """
     text = text.removeprefix(BYTE_ORDER_MARK)
     raw = tables(text, origin)
@@ -190,7 +191,10 @@ def document(
 
 
 def tables(text: str, origin: str) -> dict[str, Any]:
-    """A TOML text as nested dictionaries; raises DescriptionError, with file and line, for a wrong or an empty one."""
+    """A TOML text as nested dictionaries; raises DescriptionError, with file and line, for a wrong or an empty one.
+
+    ``origin`` is the file.
+    """
     if not text.strip():
         raise DescriptionError(
             f"{origin}:1: expected a linkage description, got an empty file; start from a catalogue file"
@@ -243,7 +247,7 @@ BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
 
 def _syntax_error(fault: str, text: str, origin: str) -> str:
-    """The message for a TOML syntax error: file, line, the fault and its remedy."""
+    """The message for a TOML syntax error, Python's ``fault``: the file ``origin``, line, the fault and its remedy."""
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line_number(text.rstrip(), len(text)), None)
     slip = _known_slip(fault, text.split("\n")[int(line) - 1])
@@ -294,7 +298,10 @@ def parse_document(source: Source, model: type[M]) -> M:
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:
-    """Raise DescriptionError for control characters, which would reach terminals; texts may have line ends."""
+    """Raise DescriptionError for control characters in keys and texts of a file; texts may have line ends.
+
+    They would reach terminals.
+    """
     for keys, text in _all_texts(raw, []):
         name = keys[-1]
         if not (text.isprintable() or all(is_safe(c) or c in "\n\t" for c in text)) or not all(map(is_safe, name)):
@@ -530,7 +537,10 @@ def _is_alike(old: object, new: object) -> bool:
 
 
 def _check_written_numbers(result: str, name: str, target: Linkage) -> None:
-    """Raise LinkproofError where a number of the new file misses its intended value by more than rounding."""
+    """Raise LinkproofError where a number of the new file's text misses that of ``target`` by more than rounding.
+
+    So too where one of the two lacks it. ``name`` is the file's.
+    """
     new = parse(result, name, f"{name} with other numbers")
     meant, got = numbers_of(target), numbers_of(new)
     for number in [*meant, *got]:

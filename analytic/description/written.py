@@ -66,7 +66,7 @@ def signed(value: float, form: str) -> str:
 
 
 def change(share: float, form: str = ".2f") -> str:
-    """A relative change as text in per cent, with its sign."""
+    """A relative change, a share, as text in per cent, with its sign; ``form`` is the number's format."""
     return f"{signed(100.0 * share, form)} %"
 
 

@@ -190,7 +190,10 @@ class _Design:
         return self._moved(listed, signals, places, ways, zero_of_s)
 
     def at_tops(self, signals: Sequence[str], places: Array, zero_of_s: Curve) -> list[Curve]:
-        """Signals and derivatives as from ``curves``, at tops (n,); one at a corner of a load over S moves with it."""
+        """Signals and derivatives as from ``curves``, at tops (n,), rad.
+
+        One at a corner of a load over S moves with it. S counts from ``zero_of_s``.
+        """
         curves = self.curves(signals, places, zero_of_s)
         corners = [corner for law in self.mechanism.linkage.laws if law.over == "S" for corner in law.corners]
         if not corners or ZERO_OF_S not in self._list(signals).trace.inputs:
@@ -207,7 +210,7 @@ class _Design:
         return [(value, slopes + change[0] * moves) for (value, slopes), (_, change) in pairs]
 
     def over_phi(self, signals: Sequence[str], places: Array, zero_of_s: float) -> list[Curve]:
-        """Signals at crank angles, rad, with their derivatives over φ, (1, ...)."""
+        """Signals at crank angles, rad, with their derivatives over φ, (1, ...); S counts from ``zero_of_s``, m."""
         listed = self._list(signals)
         laws = {line: name for name, line in listed.trace.inputs.items() if isinstance(name, tuple)}
         way = {line: law(places, order + 1)[component] for line, (law, order, component) in laws.items()}
@@ -217,9 +220,10 @@ class _Design:
     def _moved(
         self, listed: LinkageTrace, signals: Sequence[str], places: Array, ways: Sequence[dict[int, Any]], zero: Curve
     ) -> list[Curve]:
-        """Signals, each with its change in each of the ``ways``, mappings from an input's line to its change.
+        """Signals at ``places``, each with its change in each of the ``ways``.
 
-        S counts from ``zero``, with its own changes.
+        A way maps an input's line to its change; ``listed`` is the list that has the signals. S counts from ``zero``,
+        with its own changes.
         """
         moving = {line for way in ways for line in way}
         rows = listed.trace.differentiated(listed.signals, self._input_values(listed, places), moving)
@@ -248,7 +252,10 @@ class _Design:
         return [self._signal_of_line(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
 
     def _signal_of_line(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
-        """A signal at crank angles from its line's ``value``: S from the coordinate, a link's angle unwrapped."""
+        """A signal at crank angles from its line's ``value``: S, from ``zero_of_s``, a link's angle unwrapped.
+
+        All others are the value itself.
+        """
         full = np.broadcast_to(value, places.shape)
         if name == "S":
             return zero_of_s - full

@@ -116,9 +116,9 @@ class Figure:
         return np.sqrt(mean) if self.reduction is Reduction.RMS else mean
 
     def of(self, ends: Sequence[Array]) -> Array:
-        """The figure of each design, (designs,), from its extremes' values: one, or highest less lowest.
+        """The figure of each design, (designs,), from its extremes' values ``ends``: one, or the first less the second.
 
-        A peak's magnitude.
+        Of a peak it is the magnitude.
         """
         value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return np.abs(value) if self.is_magnitude else value
@@ -196,7 +196,7 @@ def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -
 
 
 def _known_figures(known: Mapping[str, str]) -> list[str]:
-    """Names of all figures of these signals, ``stroke`` first, then the peaks; none at an angle."""
+    """Names of all figures of the ``known`` signals, ``stroke`` first, then the peaks; none at an angle."""
     families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
     stroke = [STROKE] if "S" in known else []
     return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]

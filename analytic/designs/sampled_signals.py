@@ -374,7 +374,10 @@ def checked_parameters(
 
 
 def _check_values(name: str, kind: str, values: Array) -> None:
-    """Raise LinkproofError for numbers that are not finite, negative masses, and a speed of zero."""
+    """Raise LinkproofError for numbers that are not finite, negative masses or inertias, and a speed of zero.
+
+    ``kind`` says which they are; ``name`` is for the message.
+    """
     wrong = ~np.isfinite(values)
     expected = "finite numbers"
     if kind in ("mass", "inertia"):
@@ -389,7 +392,7 @@ def _check_values(name: str, kind: str, values: Array) -> None:
 
 
 def _check_direction(name: str, x: Array, y: Array) -> None:
-    """Raise LinkproofError for a direction of length zero in a design; ``name`` is the direction's."""
+    """Raise LinkproofError for a direction (x, y) of length zero in any design; ``name`` is for the message."""
     size = np.hypot(x, y)
     if not np.all(size):
         first = int(np.argmin(size != 0.0))

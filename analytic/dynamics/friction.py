@@ -79,7 +79,10 @@ def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
 
 
 def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
-    """The rate over φ at which a body's point slides along a guide, m/rad, and the unit loads that resist it."""
+    """The rate over φ at which a body's point ``local`` slides along a guide, m/rad, and the unit loads that resist it.
+
+    The first load is on the body, the second on the guide's host.
+    """
     direction = frames.arm(sweep.poses(guide.host), guide.along)
     origin = sweep.local_point(guide.host, (0.0, 0.0))
     arm = frames.minus(sweep.local_point(body, local), origin)
@@ -143,7 +146,7 @@ def _forces(free: Array, slopes: Array, frictions: Array) -> Array:
 
 
 def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> Booleans:
-    """Whether a ``step`` (m, n) is negligible beside the ``frictions`` (m, n) that it changes, (n,)."""
+    """Whether a ``step`` (m, n) is at most the share ``within`` of the ``frictions`` (m, n) that it changes, (n,)."""
     return np.asarray(np.all(np.abs(step) <= within * np.max(np.abs(frictions), axis=0), axis=0))
 
 
@@ -173,7 +176,10 @@ def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]
 
 
 def _check_not_locked(sweep: Sweep, is_solved: Booleans) -> None:
-    """Raise LinkproofError where friction locks the linkage, or set it in the sweep's faults."""
+    """Raise LinkproofError where friction is not ``is_solved``, as it locks the linkage.
+
+    Or add that to the sweep's faults.
+    """
     if sweep.faults is not None:
         sweep.faults |= ~is_solved
     elif not np.all(is_solved):

@@ -312,7 +312,10 @@ def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
 
 
 def _combined_wrench(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
-    """The wrench of a joint on its far body, as the sum of unit reactions times their sizes."""
+    """The wrench of a joint on its far body, as the sum of unit reactions times their sizes, the ``shares``.
+
+    A pin's has no moment.
+    """
     x = sum(size * unit.far[0] for size, unit in shares)
     y = sum(size * unit.far[1] for size, unit in shares)
     moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)
@@ -388,10 +391,10 @@ def _enter_driver(balance: LinkBalance) -> Scalar:
 
 
 def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
-    """Force of the linkage on its frame, N, and its moment about a point of the ground, N m: (3, *angle.shape).
+    """Force of the linkage on its frame, N, and its moment ``about`` a point of the ground, N m: (3, *angle.shape).
 
-    By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces −
-    Σ m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
+    By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces − Σ
+    m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
     fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
     torques on links come from outside; their reactions do not act on this frame.
     """

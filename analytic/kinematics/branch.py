@@ -180,7 +180,8 @@ class ChangePoints:
     def moves(self, angle: Any, away: Any, known: Windows) -> Any:  # noqa: ANN401
         """Whether the dyad can move at each crank angle, rad: where ``away`` is True, and within patches.
 
-        ``away`` says which angles are far enough from dead positions.
+        ``away`` says which angles are far enough from dead positions; ``known`` has the windows of patches found
+        before.
         """
         result = np.empty(np.shape(angle), dtype=bool)
         result[...] = away
@@ -191,7 +192,8 @@ class ChangePoints:
     def with_series(self, angle: Any, order: int, pair: tuple[Any, Any], known: Windows) -> tuple[Any, Any]:  # noqa: ANN401
         """The poses of both links, or their derivatives of an ``order``: ``pair``, but the series within patches.
 
-        The two are returned as they are where no crank angle, rad, lies in a patch.
+        The pair is returned as it is where no crank angle, rad, lies in a patch. ``known`` has the windows of patches
+        found before.
         """
         result, size = None, len(pair[0])
         for patch, window in self.patches_at(angle, known):

@@ -82,7 +82,10 @@ class _Chain:
     """
 
     def __init__(self, pivot: Revolute | Prismatic, angle: Any, order: int = 0) -> None:  # noqa: ANN401
-        """Place the ground and the driver at these angles, rad, with derivatives up to ``order``."""
+        """Place the ground and the driver at these angles, rad, with derivatives up to ``order``.
+
+        The driver moves at the ``pivot``.
+        """
         self.angle = np.asarray(angle)
         self.windows: Windows = {}
         moving = crank_motion(pivot, self.angle)[: order + 1]
@@ -180,7 +183,10 @@ class _ChangePointSearch:
                 self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
 
     def _chain_beside(self, touch: Touch, distance: float, places: Any, order: int = 0) -> _Chain:  # noqa: ANN401
-        """The chain at ``places``, distances from a change point, rad; dyads that have one there share it."""
+        """The chain at ``places`` of -1 to 1, times a distance, rad, from the change point of a ``touch``.
+
+        It has derivatives up to ``order``; dyads that have a change point there share it.
+        """
         key = (float(touch.angle), distance)
         if key not in self.beside:
             self.beside[key] = _Chain(self.pivot, touch.angle + distance * places, order)
@@ -254,9 +260,9 @@ class _ChangePointSearch:
         return best[1]
 
     def _series(self, number: int, touch: Touch, half: float) -> Iterator[Any]:
-        """Yield, for each order, the coefficients (NODES, parts) of both links' series about a change point.
+        """Yield, for each order, the coefficients (NODES, parts) of both links' series about a dyad's touch.
 
-        The patch reaches ``half``, rad, to either side.
+        The patch reaches ``half``, rad, to either side; ``number`` is the dyad's.
         """
         dyad = self.dyads[number]
         half_turn = np.arccos(np.longdouble(-1.0))  # π of extended precision

@@ -107,8 +107,8 @@ def crank_range(
     """The range of φ around ``start``, rad or m, by default the sketch's.
 
     The limits are zeros of the margin by which a dyad's links reach each other, to rounding; where the margin only
-    touches zero, and the linkage is not followed on, the place where rounding has it zero. Raises AssemblyError where
-    it cannot be assembled at the start.
+    touches zero, and the linkage is not followed on, the place where rounding has it zero. ``undetermined`` are the
+    change points that leave a dyad free. Raises AssemblyError where it cannot be assembled at the start.
     """
     search = _Margins(linkage, structure, linkage.sketch_angle if start is None else start)
     low = search.nearest_limit(-1.0)
@@ -123,7 +123,10 @@ def crank_range(
 def _cylinder_ends(
     cylinder: CylinderDrive | None, low: Toggle | None, high: Toggle | None
 ) -> tuple[Toggle | None, Toggle | None]:
-    """The ends of a pushed driver's range: its dead positions, or the ends of its cylinder that come before them."""
+    """The ends of a pushed driver's range: ``low`` and ``high``, or the ends of its cylinder that come before them.
+
+    None is no end.
+    """
     shortest, longest = (None, None) if cylinder is None else (cylinder.shortest, cylinder.longest)
     if shortest is not None and (low is None or low.angle < shortest):
         low = Toggle(shortest, None, "the cylinder is retracted")

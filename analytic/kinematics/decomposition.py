@@ -54,9 +54,10 @@ class Division(NamedTuple):
 
 @lru_cache(maxsize=64)  # the designs of a linkage share one
 def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) -> Division:
-    """The division of bodies and pins with these numbers of unknowns into groups, in an order that can be solved.
+    """The division of bodies and pins into groups, in an order that can be solved, and what is locked or loose.
 
-    Of what can be solved next dyads come first, before groups of a higher class, and of each kind the first by name.
+    ``sizes`` are their numbers of unknowns by name. Of what can be solved next dyads come first, before groups of a
+    higher class, and of each kind the first by name.
     """
     matching = Matching(dict(sizes), equations)
     loose, groups, done = matching.loose(), [], set[str]()
@@ -175,7 +176,10 @@ def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
 
 
 def _contour_length(pair: tuple[str, str], pairs: set[tuple[str, str]]) -> int:
-    """Links in the shortest closed contour with a joint; 0 if there is none."""
+    """Links in the shortest closed contour with the joint of a ``pair`` of bodies; 0 if there is none.
+
+    ``pairs`` are those of all joints.
+    """
     start, end = pair
     steps, queue = {start: 1}, deque([start])
     while queue:
@@ -271,7 +275,7 @@ class _PlacedBodies:
         )
 
     def fault(self, division: Division) -> str:
-        """The sentence why bodies are left over: too many joints, or too few."""
+        """The sentence why bodies are left over in a ``division``: too many joints, or too few."""
         if division.locked:
             return self._overconstrained_text(division.locked)
         carriers = _carriers(self.linkage)

@@ -361,7 +361,10 @@ class RRR(_PinDyad):
         first.length, second.length = 0.5 * (total + difference), 0.5 * (total - difference)
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence: both arms too short for the gap, or one too long."""
+        """The shortfall, as a fault and a sentence: both arms too short for the gap, or one too long.
+
+        ``at`` takes a value's number at the place, ``written`` writes a length.
+        """
         dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
         gap = at(self.gap())
         links = f"'{dyad.first}' ({written(first)}) and '{other}' ({written(second)})"
@@ -416,7 +419,10 @@ class RRP(_PinDyad):
         self.sides[0].length -= margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence, of an arm that does not reach the line."""
+        """The shortfall, as a fault and a sentence, of an arm that does not reach the line.
+
+        ``at`` takes a value's number at the place, ``written`` writes a length.
+        """
         dyad, distance, length = self.dyad, at(abs(self.offset)), self.sides[0].length
         return UNASSEMBLED, (
             f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
@@ -539,7 +545,10 @@ class RPR(_SlideDyad):
         self.offset += np.sign(self.offset) * margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence: the offset too large, or A on B."""
+        """The shortfall, as a fault and a sentence: the offset too large, or A on B.
+
+        ``at`` takes a value's number at the place, ``written`` writes a length.
+        """
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:
             return UNDETERMINED, (
@@ -581,7 +590,10 @@ class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence: the cylinder too short or too long."""
+        """The shortfall, as a fault and a sentence: the cylinder too short or too long.
+
+        ``at`` takes a value's number at the place, ``written`` writes a length.
+        """
         length, link = at(self.coordinate), self.dyad.first
         return UNASSEMBLED, f"the cylinder of {written(length)} does not reach '{link}'; stay within its range"
 

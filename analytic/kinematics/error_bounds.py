@@ -133,8 +133,9 @@ def _with_errors(parts: list[Array], error: Array) -> tuple[Rounded, ...]:
 def _with_curvature(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
     """The bound on the poses, with the curvature of the equations for distances added to ``linear``.
 
-    ``linear`` (n, k) is the bound without it; ``distances`` (k,) marks those equations. It is infinite where the
-    curvature is not small.
+    ``linear`` (n, k) is the bound without it; ``distances`` (k,) marks those equations, ``inverse`` (n, k, k) has the
+    magnitudes of the inverse of their matrix, ``reach`` (n,), m, is how far an error of an angle acts. It is infinite
+    where the curvature is not small.
     """
     turns = np.arange(linear.shape[1]) % 3 == 2  # columns are x, y, θ of each link
     turn = np.max(linear[:, turns], axis=1)

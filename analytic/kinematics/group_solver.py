@@ -179,7 +179,10 @@ def _predict(nodes: list[BranchNode], coordinate: float) -> Array:
 
 
 def _gains_over_turn(nodes: list[BranchNode], unit: float) -> Array | None:
-    """The angle, rad, that each link gains over a turn of the crank; None if a turn does not close."""
+    """The angle, rad, that each link gains over a turn of the crank, from first to last node.
+
+    None if a turn does not close. ``unit`` is the length, m, that counts as 1 in that.
+    """
     gained = (nodes[-1].state[0] - nodes[0].state[0]) / np.array([unit, unit, 1.0])
     turns = FULL_TURN * np.round(gained[:, 2] / FULL_TURN)
     gained[:, 2] -= turns

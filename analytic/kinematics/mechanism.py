@@ -241,9 +241,9 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, pos
 
 
 def _ambiguous_sketch(linkage: Linkage, dyad: ClosedGroup, telling: Sequence[str]) -> str:
-    """The error's sentence for a sketch that leaves a mode open.
+    """The error's sentence for a sketch that leaves a dyad's mode open.
 
-    Names points to add, which tell the two modes apart.
+    Names the points ``telling`` the two modes apart, which are to be added, if there are any.
     """
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"

@@ -94,7 +94,10 @@ class Sweep:
         *,
         zero_of_s: Callable[[], Scalar] = float,
     ) -> None:
-        """Pose the linkage at φ of any shape; where it fails ``faults`` is set or, without it, AssemblyError raised."""
+        """Pose the linkage at φ of any shape; where it fails ``faults`` is set or, without it, AssemblyError raised.
+
+        Groups are solved when they are needed. ``zero_of_s`` gives the coordinate, m, from which loads over S count.
+        """
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
@@ -182,7 +185,7 @@ class Sweep:
         return point_derivative(motion, local, order)
 
     def point(self, name: str, order: int = 0) -> Array:
-        """A named point in the ground frame, m, or a derivative of it; shape (2, *angle.shape)."""
+        """A named point in the ground frame, m, or its derivative of an order over φ; shape (2, *angle.shape)."""
         body = self.carrier(name)
         return self._filled(self.local_point(body, self.linkage.local(name, body), order))
 

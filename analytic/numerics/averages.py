@@ -62,7 +62,10 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
 def _cell_integrals(
     integrands: Integrands, row: Integers, start: Array, width: Array, share: Array
 ) -> tuple[Array, Array]:
-    """Contributions of cells (n,) to the means of integrands, and to those of their magnitudes: (k, n)."""
+    """Contributions of cells (n,) to the means of integrands, and to those of their magnitudes: (k, n).
+
+    A cell has its row, start, width and ``share`` of the whole.
+    """
     values = integrands(row, start[:, None] + width[:, None] * NODES)
     return np.sum(values * WEIGHTS, axis=2) * share, np.sum(np.abs(values) * WEIGHTS, axis=2) * share
 

@@ -126,7 +126,10 @@ class _Path:
     """
 
     def __init__(self, scheme: GaussScheme, start: tuple[float, float], period: float) -> None:
-        """Begin a motion at ``start``, (φ, ω), in rad and rad/s."""
+        """Begin a motion at ``start``, (φ, ω), in rad and rad/s, integrated by a ``scheme``.
+
+        Φ is kept within a ``period``.
+        """
         self.scheme, self.period = scheme, period
         self.angle, self.speed = start
         self.acceleration = 0.0
@@ -240,7 +243,7 @@ def integrate(
 
 
 def _with_push(acceleration: Acceleration, push: Push | None) -> Timed:
-    """The whole acceleration, rad/s², as a function of time, φ and ω."""
+    """The whole acceleration, rad/s², as a function of time, φ and ω; ``push`` adds to it, None adds nothing."""
     if push is None:
         return lambda _time, angle, speed: acceleration(angle, speed)
     return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
@@ -296,7 +299,10 @@ def _relative_speed_error(path: _Path, accelerations: Array, length: float, roun
 
 
 def _check_progress(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
-    """Raise LinkproofError where the motion cannot be followed, or takes too many windows; ``place`` writes a φ."""
+    """Raise LinkproofError where the motion cannot be followed, or takes too many windows; ``place`` writes a φ.
+
+    ``length`` is that of the next window, ``longest`` that of the longest so far, ``duration`` that of the motion, s.
+    """
     time, done = path.time, len(path.starts) - 1
     if path.is_lost(length, longest):
         raise LinkproofError(

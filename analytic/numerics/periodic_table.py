@@ -115,7 +115,10 @@ def _rounding(functions: Functions, left: Array, right: Array, places: Array) ->
 
 @lru_cache
 def _rules(degree: int) -> tuple[Array, Array, Array]:
-    """Chebyshev nodes on [-1, 1], the matrix from values there to Chebyshev coefficients, and from these to powers."""
+    """Chebyshev nodes on [-1, 1], the matrix from values there to coefficients, and from these to powers.
+
+    ``degree`` is that of the polynomial; the coefficients are Chebyshev's.
+    """
     nodes = chebyshev.chebpts1(degree + 1)
     orders = np.arange(degree + 1)
     analysis = np.cos(np.outer(orders, np.arccos(nodes))) * (2.0 / (degree + 1))

@@ -301,7 +301,10 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
 
 def _last_before_crossing(equations: Equations, gain: OdeSolution, places: Reals) -> float:
-    """φ up to which a path over some places (n,) crosses no other one, within ``FINEST``; the last place if none."""
+    """φ up to which a path over some places (n,) crosses no other one, within ``finest``; the last place if none.
+
+    ``gain`` gives the free coordinates there.
+    """
     while np.any(crossing := _crossings(equations, _pose(equations, gain(places).T, places))):
         first = int(np.argmax(crossing))
         if abs(places[first + 1] - places[first]) < FINEST:

@@ -493,7 +493,10 @@ def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
 
 
 def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, leads: bool) -> TableCell:
-    """The cell of an engine in a family: its largest error, or a sign and the reason for its absence."""
+    """The cell of an engine in the family ``name``: its largest error, or a sign and the reason for its absence.
+
+    It ``leads`` to the curve, if wanted.
+    """
     records, worst = trust.cell(engine, setting, name), trust.cell(engine, setting, name).worst
     style = records.style(is_idle=trust.is_idle(setting))
     if worst is None:
@@ -537,7 +540,7 @@ def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
 
 
 def _limitation_sentences(results: CampaignResults, sheets: Sequence[Sheet]) -> tuple[str, ...]:
-    """The known limitations of a campaign, a sentence each."""
+    """The known limitations of a campaign, a sentence each; some are about the ``sheets`` of its linkages."""
     released = {regime for sheet in sheets for regime in sheet.released}
     return tuple(
         lines(

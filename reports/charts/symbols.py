@@ -39,12 +39,18 @@ def left(vector: Array) -> Array:
 
 
 def line(axes: Axes, places: ArrayLike, width: float, layer: float, ink: str = INK, **style: Any) -> None:  # noqa: ANN401
-    """Draw a line of a ``width`` in points through (n, 2) places; a higher ``layer`` covers lower ones."""
+    """Draw a line of a ``width`` in points and an ``ink`` through (n, 2) places.
+
+    A higher ``layer`` covers lower ones.
+    """
     axes.add_artist(Line2D(*np.transpose(places), color=ink, linewidth=width, zorder=layer, **style))
 
 
 def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any = PAPER) -> None:  # noqa: ANN401
-    """Draw a filled polygon with an outline of a ``width`` in points."""
+    """Draw a polygon, filled with ``face``, with an outline of a ``width`` in points.
+
+    A higher ``layer`` covers lower ones.
+    """
     axes.add_patch(Polygon(np.asarray(corners), facecolor=face, edgecolor=INK, linewidth=width, zorder=layer))
 
 
@@ -55,7 +61,10 @@ def _box(start: Array, end: Array, half: float) -> list[Array]:
 
 
 def bar(axes: Axes, points: Array, layer: float) -> None:
-    """Draw a link: a round-ended bar for points on one line, a plate, their convex hull, for others."""
+    """Draw a link: a round-ended bar for points on one line, a plate, their convex hull, for others.
+
+    A higher ``layer`` covers lower ones.
+    """
     corners = outline(points)
     if len(corners) > 2:
         _area(axes, corners, 1.56, layer, PLATE)
@@ -70,7 +79,7 @@ def cylinder(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def pin(axes: Axes, place: Array, size: float, layer: float = 8.0) -> None:
-    """Draw a revolute joint."""
+    """Draw a revolute joint, a circle of this radius; a higher ``layer`` covers lower ones."""
     axes.add_patch(Circle((place[0], place[1]), size, facecolor=PAPER, edgecolor=INK, linewidth=1.0, zorder=layer))
 
 

@@ -261,6 +261,6 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
 
 
 def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callable[[Any], str]) -> Table:
-    """A table of names, units and values, which ``written`` turns into text."""
+    """A table of names, units and values, which ``written`` turns into text; ``what`` heads the names."""
     cells = [(row["name"], row["units"], written(row["value"])) for row in rows]
     return Table("", (what, "unit", "value"), cells, "llr")

@@ -65,7 +65,10 @@ def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
 
 
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Callable[[], Figure]) -> PageFigure:
-    """A figure of the page; its text for readers without pictures is title, variant and ``what``."""
+    """A figure of the page, its file called ``name``; its text without pictures is title, variant and ``what``.
+
+    ``drawing`` draws it when the page is written.
+    """
     return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 

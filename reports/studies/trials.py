@@ -208,7 +208,7 @@ class Script(Comparison):
 
 
 def check_files(record: str | Path | None, junit: str | Path | None) -> None:
-    """Raise LinkproofError for a file of a comparison that could not be written, before any work is done.
+    """Raise LinkproofError, before any work, for a file of rows or for JUnit that could not be written.
 
     None is none.
     """
@@ -329,10 +329,9 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
 
 
 def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
-    """The exit code, 3 for a fault of linkproof, else 1 for a failure, else 0.
+    """The exit code: for a fault of ours, linkproof's, 3, else for a failure 1, else 0; raises LinkproofError.
 
-    Raises LinkproofError if nothing is judged. ``counts`` are those of outcomes that are not judged, each with its
-    reason.
+    It does so if nothing is judged. ``counts`` are those of outcomes that are not judged, each with its reason.
     """
     if is_ours or has_failed:
         return SUITE_ERROR if is_ours else FAILED

@@ -323,7 +323,10 @@ def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> A
 
 @contextmanager
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
-    """In the block, turn errors of reading or writing the folder's file into LinkproofError, which is raised."""
+    """In the block, raise a LinkproofError for an error of reading or writing the folder's file.
+
+    ``kind`` is for the cure.
+    """
     import sqlite3  # noqa: PLC0415
 
     try:

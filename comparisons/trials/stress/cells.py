@@ -240,9 +240,10 @@ def reversal(speed: float, start_angle: float, hold: float, change: float) -> Cr
 
 @lru_cache(maxsize=4)
 def case(conditions: Conditions) -> Case:
-    """The case of a cell; the last few are kept for its neighbours: a long released motion takes seconds to integrate.
+    """The case of a cell's ``conditions``; the last few are kept for its neighbours.
 
-    Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to.
+    A long released motion takes seconds to integrate. Raises AssemblyError, or LinkproofError, where there is no motion
+    to hold an engine to.
     """
     mechanism = Mechanism(linkage(conditions))
     if conditions.motion != RELEASED:

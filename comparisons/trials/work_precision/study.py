@@ -171,7 +171,7 @@ class Rounds:
         )
 
     def run(self, number: int, batch: Sequence[tuple[PointSweep, BenchRun]]) -> None:
-        """Measure points, each of its sweep, in the round ``number``, as long as there is time."""
+        """Measure the points of a ``batch``, each of its sweep, in the round ``number``, as long as there is time."""
         tasks = [self._point_task(number, sweep, point) for sweep, point in batch]
         self.study.expect(tasks)
         bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
@@ -345,7 +345,7 @@ def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Met
 
 
 def blank_run(case: Case, name: str, usage: Setting | Method | None, steps_per_turn: float | None = None) -> BenchRun:
-    """The run of a case in an engine by a setting, or by a method at a step, before it is made."""
+    """The run of a case in an engine by a ``usage``, a setting or a method at a step, before it is made."""
     adapter, method = engine(name), usage if isinstance(usage, Method) else None
     own = run_of(case, method.name if method else str(usage or ""), name, adapter.version() or "")
     return BenchRun(
