@@ -18,7 +18,7 @@ from comparisons.motion.case import Case, case_of_file_regime, scene
 from comparisons.trials.conformance.trial import case as sample_case
 from comparisons.trials.exported_run import exported
 from engines.contract import Outcome, Setting
-from engines.exported_script import script, written
+from engines.exported_script import script
 from engines.mujoco_adapter import EXPERT, MujocoEngine
 from engines.registry import engine
 from engines.scene import Channel, Prescribed
@@ -165,18 +165,6 @@ def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
     for line in printed.strip("\n").split("\n")[1:]:
         read, exported_figure = line.split()[-4:-2]
         assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)
-
-
-@pytest.mark.parametrize("text", [
-    '"""', 'a\n"""b', "'''\n", '\n"', '""\n""', "\\", "\\\n\\", "\n\r\t\0", "\x0c\x85\u2028\u2029\n", "\ud800\n",
-    "\ue0000\ue001\n", "\n\u202eright to left", "{}\n{0}", "'\"", "'\"\n", "#", "#\n#", '"' * 7, "\n" + '"' * 8,
-    "# -*- coding: utf-7 -*-", "__import__('os')", "\\N{BELL}", "%s", "",
-])  # fmt: skip
-def test_any_text_is_written_as_itself(text):
-    for given in (text, text * 100, f"{text}, '" * 50, {text: [text, (text,)]}):
-        source = written(given)
-        assert ast.literal_eval(source) == given
-        assert all(c.isprintable() for c in source.replace("\n", ""))
 
 
 @pytest.mark.parametrize("line", [

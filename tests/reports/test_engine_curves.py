@@ -17,11 +17,10 @@ from tests.engines.closed_form import driven, history_of, installed
 
 MECHANISM = mechanism("juki-mf7923d")
 MOTION = crank_motion("run-up-quintic", speed=1000.0 * RPM, ramp_time=0.12, hold_time=0.06)
-OFTEN = ("direct", "pymunk")
-BY_NIGHT = ("dart", "drake", "exudyn", "mujoco", "ondsel", "pinocchio", "pybullet", "simbody")
+BY_NIGHT = ("direct", "dart", "drake", "exudyn", "mujoco", "ondsel", "pinocchio", "pybullet", "simbody")
 
 
-@pytest.mark.parametrize("name", [*OFTEN, *(pytest.param(name, marks=pytest.mark.nightly) for name in BY_NIGHT)])
+@pytest.mark.parametrize("name", ["pymunk", *(pytest.param(name, marks=pytest.mark.nightly) for name in BY_NIGHT)])
 @pytest.mark.parametrize("setting", [Setting.NAIVE, Setting.TUNED])
 def test_curves_of_an_engine_are_right_or_wrong_by_its_step_or_softness(name, setting):
     model = driven(MECHANISM, MOTION)

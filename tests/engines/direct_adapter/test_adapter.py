@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
-from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from analytic.dynamics.released import free_motion
 from analytic.errors import LinkproofError
 from comparisons.motion.case import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
-from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
+from engines.scene import Body, Channel, Free, PinJoint, Prescribed, Scene
 from tests.analytic.linkages import (
     FULL_TURN,
     MADE_UP,
@@ -78,29 +77,6 @@ def _standing(angle):
 
 def _still(name, mass, inertia, position, angle=0.0):
     return Body(name, mass, inertia, position, angle, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)
-
-
-def test_a_slider_crank_that_stands_still_is_held_as_by_hand():
-    """Crank 3 m upright, rod 5 m, slider 4 m away on the x axis, pressed with 8 N towards the crank; no weight."""
-    bodies = (
-        _still("crank", 1.0, 1.0, (0.0, 1.5), math.pi / 2.0),
-        _still("rod", 1.0, 1.0, (2.0, 1.5), math.atan2(-3.0, 4.0)),
-        _still("slider", 1.0, None, (4.0, 0.0)),
-    )
-    pins = (
-        PinJoint("O", "crank", GROUND, (-1.5, 0.0), (0.0, 0.0)),
-        PinJoint("A", "rod", "crank", (-2.5, 0.0), (1.5, 0.0)),
-        PinJoint("B", "slider", "rod", (0.0, 0.0), (2.5, 0.0)),
-    )
-    guide = SliderJoint("guide", "slider", (0.0, 0.0), GROUND, (0.0, 0.0), (1.0, 0.0))
-    press = AppliedForce("slider", (0.0, 0.0), Law(np.array([-8.0, 0.0])))
-    drive = _standing(math.pi / 2.0)
-    model = Scene("crank", bodies, pins, (guide,), (), (0.0, 0.0), drive, EVERYTHING, forces=(press,))
-    history = history_of(ENGINE, model)
-    # The rod is a strut along (4, -3)/5: it takes 8·5/4 = 10 N, the guide 8·3/4 = 6 N, the crank 3 m · 8 N.
-    for name, force in {"B": [8.0, -6.0], "guide": [0.0, 6.0], "A": [8.0, -6.0], "O": [8.0, -6.0]}.items():
-        assert history.joint_force[name].values[0] == pytest.approx(force, abs=BALANCE)
-    assert history.torque.values == pytest.approx(-24.0, abs=BALANCE)
 
 
 # -- a free crank ------------------------------------------------------------------------------------------------------

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from engines.contract import Outcome, Setting
-from engines.exudyn_adapter.adapter import BEST, ExudynEngine
+from engines.exudyn_adapter.adapter import BEST, TUNED, ExudynEngine
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
-from tests.engines.closed_form import crank_number, driven, history_of
+from tests.engines.closed_form import crank_number, driven, errors_of, history_of, run_of
 
 pytest.importorskip("exudyn")
 
@@ -45,6 +45,12 @@ def test_a_parallelogram_passes_its_change_points(setting):
     assert np.ptp(history_of(ENGINE, model, setting).position.values[:, number, 2]) < STILL
 
 
+def test_a_part_that_starts_with_an_acceleration_is_as_good_as_the_others():
+    motion = CrankMotion("own", (Segment(0.0, 0.03, (0.3, 0.0, 1000.0)), Segment(0.03, 0.06, (1.2, 60.0, 300.0))))
+    linkage = mechanism("juki-mf7923d")
+    assert max(errors_of(run_of(ENGINE, linkage, motion, Setting.BEST), linkage, motion).values()) < 1e-6
+
+
 def test_nothing_of_a_run_outlives_it(monkeypatch):
     """Else exudyn holds its functions and sensors for good, a tenth of a megabyte a run."""
     worlds, build = [], ENGINE.build
@@ -57,6 +63,15 @@ def test_nothing_of_a_run_outlives_it(monkeypatch):
 
 
 loop = pytest.importorskip("engines.exudyn_adapter.loop")
+
+
+def test_no_state_far_from_the_one_that_was_reached_is_taken():
+    """It may be that of another assembly."""
+    model = _scene("rimoldi-164", regime="run-up")
+    world, segment = ENGINE.build(scaled(model, own_units(model)), TUNED), model.drive.motion.segments[0]
+    far = np.random.default_rng(2).uniform(-2.0, 2.0, 3 * len(model.bodies))
+    part = {"start": 0.04, "segment": (segment.start, segment.coefficients)}
+    assert loop.closed_state(world, part, (far, 0.0 * far, 0.0 * far)) is None
 
 
 def test_samples_between_two_parts_are_the_engines_own(monkeypatch):

@@ -17,7 +17,7 @@ from reports.charts.draw import picture
 from reports.designs.results import csv_table, document, printed
 from reports.designs.results_drawing import results_figure
 from reports.document.terminal import rendered
-from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, driven, from_text, mechanism
+from tests.analytic.linkages import FOLDER, driven, from_text, mechanism
 from tests.commands import linkproof
 from tests.reports.designs.samples import (
     CRANK,
@@ -147,11 +147,10 @@ LIGHT = "\n".join(line for line in piston_text().splitlines() if not line.starts
 @pytest.mark.parametrize(
     ("linkage", "motion", "drawn", "absent"),
     [
-        (lambda: from_text(DOUBLE_ROCKER), swing("cycloidal", *np.radians([50, 90]), speed=2.0), "time, s", "S,"),
         (lambda: driven("linear-motor"), swing("cycloidal", 0.0, 0.1, speed=0.1), "force, N", "torque"),
         (lambda: from_text(LIGHT), TURN, "S: peak 0.1000 m", "torque"),
     ],
-    ids=["swing", "drive along a line", "no masses"],
+    ids=["drive along a line", "no masses"],
 )
 def test_what_a_linkage_has_not_is_not_drawn(linkage, motion, drawn, absent):
     found = words(shown(linkage(), motion))
