@@ -83,29 +83,17 @@ def _run(sweep, results):
         (0.1, [_made(10.0**-k, seconds=1e-3 * 2**k) for k in range(9)], 7, "would take about 0.13 s, over 0.1 s"),
         (0.1, [_made(10.0**-k, setup=0.2) for k in range(9)], FEWEST, "over 0.1 s"),
         (0.3, [_made(10.0**-k, 0.2 if k == 2 else 1e-3 * 2**k) for k in range(9)], 9, "the sweep ends here"),
+        # Failures end it unless a shorter step may cure them.
+        (math.inf, [_failed()] * 5, 3, "why"),
+        (math.inf, [_failed(), _failed(), *[_made(10.0**-k) for k in range(7)]], 9, "the sweep ends here"),
+        (math.inf, [_made(1e-1), _failed()], 2, "why"),
+        (math.inf, [_failed("timed-out")], 1, "why"),
     ],
-    ids=["last-step", "no-gain", "other-gains", "dear", "set-up", "one-slow"],
 )
 def test_a_sweep_takes_six_steps_and_goes_on_while_it_pays(budget, results, count, ended):
     sweep = _sweep(budget)
     assert _run(sweep, results) == count
     assert ended in sweep.ended
-
-
-@pytest.mark.parametrize(
-    ("results", "count"),
-    [
-        ([_failed()] * 5, 3),
-        ([_failed(), _failed(), *[_made(10.0**-k) for k in range(7)]], 9),
-        ([_made(1e-1), _failed()], 2),
-        ([_failed("timed-out")], 1),
-    ],
-)
-def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count):
-    sweep = _sweep()
-    assert _run(sweep, results) == count
-    if count < len(STEPS):
-        assert sweep.ended.endswith("why")
 
 
 def test_a_quick_benchmark_has_the_most_advanced_methods_and_not_the_best_setting():
