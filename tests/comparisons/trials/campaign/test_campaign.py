@@ -17,12 +17,13 @@ from comparisons.trials.campaign.campaign import CampaignRequest, compare, sheet
 from comparisons.trials.judging import quantities
 from comparisons.trials.judging.records import Verdict
 from comparisons.trials.runs.workers import LocalPool
-from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
+from engines.contract import Origin, Outcome, Run, Setting, Signal
 from engines.registry import engine, own_names, why_unavailable
 from engines.scene import Channel
 from reports.api.campaign import request
 from reports.api.options import Motion
 from tests.analytic.linkages import FOLDER, double_rocker_text
+from tests.comparisons.scripted import Scripted
 from tests.comparisons.true_motions import cut, perfect_motion
 
 JUKI = load("juki-mf7923d")
@@ -37,27 +38,6 @@ PART = crank_motion("constant-speed", speed=1.0, ramp_time=0.2, hold_time=0.0, s
 
 
 BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
-
-
-class Scripted:
-    """An engine that returns what ``act`` makes of a scene."""
-
-    name = "scripted"
-    work_unit = "steps"
-    is_control = False
-
-    def __init__(self, act, version="1.0", channels=tuple(Channel)):
-        self.act, self._version = act, version
-        readouts = {channel: ReadOut("scripted") for channel in channels}
-        self.abilities = Abilities(readouts, frozenset(), frozenset(), frozenset())
-        self.scenes = []
-
-    def version(self):
-        return self._version
-
-    def run(self, scene, setting):
-        self.scenes.append(scene)
-        return self.act(scene)
 
 
 @pytest.fixture
@@ -77,7 +57,7 @@ def _request(**changes):
 
 def _finished(channels=tuple(Channel), **changes):
     run = Run(Outcome.FINISHED, history=dataclasses.replace(HISTORY, **changes), seconds=0.5, steps=1400)
-    return Scripted(lambda scene: run, channels=channels)
+    return Scripted(lambda *_: run, channels=channels)
 
 
 def _outcomes(result):
@@ -121,7 +101,7 @@ def test_what_an_engine_gives_costs_its_own_rows(with_engine, name):
 
 
 def test_part_of_a_motion_is_divergence_whichever_quantity_is_compared(with_engine):
-    with_engine(Scripted(lambda scene: Run(Outcome.FINISHED, history=cut(HISTORY, lambda t: t > 0.005))))
+    with_engine(Scripted(lambda *_: Run(Outcome.FINISHED, history=cut(HISTORY, lambda t: t > 0.005))))
     (result,) = compare(_request(quantities=("Mkr",), with_invariants=False))
     ((outcome, detail),) = {(r.outcome, r.detail) for r in result.errors}
     assert outcome == "diverged"
@@ -172,7 +152,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     assert list(result.curves) == ["S"]
 
 
-def _swell(scene):
+def _swell(*_):
     raise MemoryError
 
 
@@ -180,7 +160,7 @@ def _swell(scene):
     ("engine", "outcome", "words"),
     [
         (Scripted(None, version=None), "unavailable", "is not installed"),
-        (Scripted(lambda scene: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
+        (Scripted(lambda *_: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
         (Scripted(_swell), "crashed", "needed more than 4 GiB of memory"),
     ],
 )
@@ -213,7 +193,7 @@ def test_a_campaign_that_cannot_be_made_is_refused_before_any_run(with_engine, c
     engine = with_engine(_finished())
     with pytest.raises(error, match=words):
         list(compare(_request(**changes)))
-    assert engine.scenes == []
+    assert engine.asked == []
 
 
 def test_joint_forces_are_undefined_where_a_change_point_is_passed(with_engine):

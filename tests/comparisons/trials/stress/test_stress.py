@@ -44,10 +44,11 @@ from comparisons.trials.stress.cells import (
     scene,
     wrong_signals,
 )
-from engines.contract import Abilities, Method, Outcome, Run, Signal
+from engines.contract import Method, Outcome, Run, Signal
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel
+from tests.comparisons.scripted import Scripted
 from tests.comparisons.true_motions import EVERYTHING, alarms, cell, cut, judgement, true_history, with_signal
 from tests.made_up import made_up_cell, made_up_stress
 
@@ -135,53 +136,33 @@ def test_a_crank_that_is_held_back_for_ever_is_refused_in_a_sentence():
         case(damped(1e8))
 
 
-class Perfect:
-    """An engine that reads the truth off the closed form, and remembers what it was asked."""
+METHODS = Method("defaults", "as it comes"), Method("centred", "careful", effort=7.0, effort_unit="iterations")
 
-    name = "perfect"
-    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
-    is_control = False
-    work_unit = "thoughts"
 
-    def __init__(self):
-        self.asked = []
+def perfect(change=lambda history, _: history):
+    """An engine that reads the truth off the closed form; ``change(history, scene)`` makes another of it."""
 
-    def version(self):
-        return "1"
-
-    def methods(self, scene):
-        return (Method("defaults", "as it comes"), Method("centred", "careful", effort=7.0, effort_unit="iterations"))
-
-    def run(self, scene, setting):
-        self.asked.append(("run", setting))
-        return self._answer(scene)
-
-    def run_method(self, scene, method, step):
-        self.asked.append(("method", method.name, method.effort, step))
-        return self._answer(scene)
-
-    def _answer(self, scene):
-        return Run(Outcome.FINISHED, history=self.history(scene), seconds=0.25, steps=12, solver_work=3)
-
-    def history(self, scene):
+    def act(scene, *_):
         one = case(axes()["mass"].conditions("four-bar, coupler", 1.0))
-        linkage = one.mechanism.linkage
         heavy = {body.name: body for body in scene.bodies}
         links = {
-            n: dataclasses.replace(k, mass=heavy[n].mass, inertia=heavy[n].inertia) for n, k in linkage.links.items()
+            name: replace(link, mass=heavy[name].mass, inertia=heavy[name].inertia)
+            for name, link in one.mechanism.linkage.links.items()
         }
-        true = type(one.mechanism)(dataclasses.replace(linkage, links=links))
-        return true_history(one, 601, mechanism=true)
+        true = true_history(one, 601, mechanism=Mechanism(replace(one.mechanism.linkage, links=links)))
+        return Run(Outcome.FINISHED, history=change(true, scene), seconds=0.25, steps=12, solver_work=3)
+
+    return Scripted(act, name="perfect", methods=METHODS)
 
 
-class Liar(Perfect):
+def liar():
     """The same, but for velocities, beyond a mass that is too much for it; it never says so."""
 
-    def history(self, scene):
-        told = super().history(scene)
-        if max(body.mass for body in scene.bodies) > 500.0 * 0.03:
-            told = with_signal(told, "velocity", lambda values, _: 0.9 * values)
-        return told
+    def change(history, scene):
+        is_heavy = max(body.mass for body in scene.bodies) > 500.0 * 0.03
+        return with_signal(history, "velocity", lambda values, _: (0.9 if is_heavy else 1.0) * values)
+
+    return perfect(change)
 
 
 @pytest.fixture
@@ -210,21 +191,21 @@ COUPLER = cell_at(axes()["mass"], "four-bar, coupler", 100.0, "perfect", "tuned"
     ],
 )
 def test_a_cell_that_does_not_exist_is_refused(with_engine, key, error, words):
-    with_engine(Perfect())
+    with_engine(perfect())
     with pytest.raises(error, match=words):
         find_cell(key)
 
 
 def test_the_truth_is_within_limit_at_any_mass(with_engine):
-    engine = with_engine(Perfect())
+    engine = with_engine(perfect())
     found = run_cell(COUPLER)
     assert found.verdict is StressVerdict.WITHIN
     assert (found.seconds, found.steps, found.solver_work) == (0.25, 12, 3)
     assert found.differing == {"linkage": found.mechanism, "link": "coupler", "mass_factor": 100.0}
-    assert engine.asked == [("run", "tuned")]
+    assert engine.asked == ["tuned"]
 
 
-@pytest.mark.parametrize("engine", [Perfect(), Liar()])
+@pytest.mark.parametrize("engine", [perfect(), liar()])
 def test_the_store_holds_all_of_a_cell(with_engine, engine):
     with_engine(engine)
     found, runs = run_cell(dataclasses.replace(COUPLER, value=1e4)), temporary_runs()
@@ -246,7 +227,7 @@ def stress_test(quick=False, **changes):
 
 
 def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_engine):
-    with_engine(Liar())
+    with_engine(liar())
     heard = []
     found = stress_test(announce=lambda *words: heard.append(words))
     verdicts = {one.value: one.verdict for one in found.cells}
@@ -263,7 +244,7 @@ def test_a_wrong_motion_is_caught_in_every_cell_and_its_border_is_bisected(with_
 
 
 def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, monkeypatch):
-    engine = with_engine(Perfect())
+    engine = with_engine(perfect())
 
     def nowhere(_):
         raise LinkproofError("it stands in a dead position")

@@ -34,10 +34,11 @@ from comparisons.trials.work_precision.study import (
     planned_sweeps,
 )
 from comparisons.trials.work_precision.table import has_floor, sweeps
-from engines.contract import Abilities, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal
+from engines.contract import History, Method, Origin, Outcome, Run, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
 from tests.comparisons.faults import PATIENCE
+from tests.comparisons.scripted import Scripted
 from tests.made_up import row
 
 METHOD = Method("plain", "as it comes")
@@ -146,24 +147,13 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
     assert min(measurement.setup_seconds, measurement.readout_seconds) >= 0.0
 
 
-class Altered:
-    """The control with another history."""
-
-    name, is_control = "altered", True
-
-    def __init__(self, change):
-        self.change = change
-
-    def version(self):
-        return "1.0"
-
-    def run(self, scene, setting):
-        run = engine("direct").run(scene, setting)
-        return replace(run, history=self.change(run.history), passes=(3e-3, 1e-3))
-
-
 def _measured(monkeypatch, change, names):
-    monkeypatch.setattr(point, "engine", lambda name: Altered(change))
+    def act(scene, setting):
+        run = engine("direct").run(scene, setting)
+        return replace(run, history=change(run.history), passes=(3e-3, 1e-3))
+
+    altered = Scripted(act, is_control=True)
+    monkeypatch.setattr(point, "engine", lambda name: altered)
     return measure(PICKLED, Setting.TUNED, blank_run(CASE, "direct", Setting.TUNED), names, with_errors=True)
 
 
@@ -212,56 +202,36 @@ EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=PATIENCE, repeats
 REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, pool=LocalPool(0))
 
 
-class KnownEngine:
-    """Errors over the peak: c h, c h² + a floor, c h⁴ + r/h, a constant; h over the step at 12 a turn."""
+def known_run(_, how, step=1e-3):
+    """A run with a known error over the peak.
 
-    name = "known"
-    work_unit = "iterations"
-    is_control = False
-    abilities = Abilities({Channel.TORQUE: ReadOut("the truth")}, frozenset(), frozenset(), frozenset())
-
-    def __init__(self, mechanism, motion):
-        self.mechanism, self.motion = mechanism, motion
-        self.runs = []
-
-    def version(self):
-        return "1.0"
-
-    def methods(self, scene):
-        return METHODS
-
-    def run(self, scene, setting):
-        self.runs.append(setting)
-        error = {Setting.NAIVE: 0.1, Setting.TUNED: 1e-5, Setting.BEST: 1e-9}[setting]
-        return self._finished(1e-3, error, {"scheme": "known"}, 4 if setting is Setting.BEST else 1)
-
-    def run_method(self, scene, method, step):
-        self.runs.append((method.name, step))
-        if method.name == "broken":
-            raise RuntimeError("matrix is singular")
-        return self._finished(step, self.error(method, step), {"step": step}, method.runs)
-
-    def error(self, method, step):
-        """The error a method has at a step, over the peak."""
-        h = step * 12.0 * self.motion.peak_speed / (2.0 * np.pi)
-        return {"first": SIZE * h, "second": SIZE * h**2 + 3e-5, "fourth": SIZE * h**4 + 1e-8 / h, "wrong": 0.05}[
-            method.name
-        ]
-
-    def _finished(self, step, error, details, runs):
-        time = np.arange(0.0, self.motion.duration, step)
-        speed, acceleration = self.motion.speed(time), self.motion.acceleration(time)
-        torque = drive_torque(self.mechanism.sweep(self.motion.angle(time)), speed, acceleration)
-        values = torque + error * np.max(np.abs(torque))
-        steps = len(time)
-        passes = tuple(step / (1 + number) for number in range(runs))
-        return Run(Outcome.FINISHED, "", History(torque=Signal(time, values)), steps * 1e-6, 1e-4, steps, steps * 5,
-                   passes, details)  # fmt: skip
+    By method c h, c h² + a floor, c h⁴ + r/h or a constant, h over the step at 12 a turn; by setting a constant.
+    """
+    if how is BROKEN:
+        raise RuntimeError("matrix is singular")
+    h, motion = step * 12.0 * CASE.motion.peak_speed / (2.0 * np.pi), CASE.motion
+    error = {
+        **{FIRST: SIZE * h, SECOND: SIZE * h**2 + 3e-5, FOURTH: SIZE * h**4 + 1e-8 / h, WRONG: 0.05},
+        **{Setting.NAIVE: 0.1, Setting.TUNED: 1e-5, Setting.BEST: 1e-9},
+    }[how]
+    time = np.arange(0.0, motion.duration, step)
+    torque = drive_torque(CASE.mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
+    runs = how.runs if isinstance(how, Method) else 4 if how is Setting.BEST else 1
+    return Run(
+        Outcome.FINISHED,
+        history=History(torque=Signal(time, torque + error * np.max(np.abs(torque)))),
+        seconds=len(time) * 1e-6,
+        setup_seconds=1e-4,
+        steps=len(time),
+        solver_work=5 * len(time),
+        passes=tuple(step / (1 + number) for number in range(runs)),
+        details={"scheme": "known"},
+    )
 
 
 def _installed(monkeypatch):
     """The known engine in the registry's place, and nothing remembered of another."""
-    found = KnownEngine(CASE.mechanism, CASE.motion)
+    found = Scripted(known_run, name="known", channels=(Channel.TORQUE,), methods=METHODS)
     for module in (benchmark, point):
         monkeypatch.setattr(module, "engine", lambda name: found)
     monkeypatch.setattr(benchmark, "engine_names", lambda: ("known",))
@@ -315,16 +285,16 @@ def test_points_of_an_interrupted_benchmark_are_not_measured_again(known, tmp_pa
 
     with pytest.raises(KeyboardInterrupt):
         bench(REQUEST, interrupting, begin(tmp_path, "this one", "")[0])
-    before = Counter(known.runs)
+    before = Counter(known.asked)
     found = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
     finished = {
-        run: count for run, count in (Counter(known.runs) - Counter(known.runs[:1])).items() if run[0] != "broken"
+        run: count for run, count in (Counter(known.asked) - Counter(known.asked[:1])).items() if run[0] != "broken"
     }
     assert sum(before.values()) >= 20
     assert set(finished.values()) == {EXTENT.repeats}
-    known.runs.clear()
+    known.asked.clear()
     again = bench(REQUEST, finished=begin(tmp_path, "this one", "")[0])
-    assert known.runs == []
+    assert known.asked == []
     assert again.points == found.points
 
 
@@ -333,7 +303,7 @@ def test_no_run_is_begun_after_the_deadline(known):
     found = bench(hurried).points
     assert {(one.outcome, one.detail) for one in found} == {("timed-out", OUT_OF_TIME)}
     assert {one.setting for one in found} >= {"best", "first", "wrong"}
-    assert known.runs == []
+    assert known.asked == []
 
 
 def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkeypatch):
