@@ -181,7 +181,7 @@ class Optimum:
     @property
     def is_fixed(self) -> bool:
         """Whether the constraints leave nothing to vary."""
-        slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal_slopes
+        slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal[:, 1:]
         return len(independent(slopes)) == len(self.problem.variables)
 
     @property
@@ -268,7 +268,7 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
         model = problem.linearise(start, problem.windows(start))
     except AssemblyError:
         return
-    slopes = np.abs(model.aim_slopes)
+    slopes = np.abs(model.aim[:, 1:])
     if np.any(slopes > ALLOWED_EXCESS):
         return
     names = ", ".join(variable.parameter.name for variable in problem.variables)

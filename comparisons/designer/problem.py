@@ -197,46 +197,41 @@ class Constraint(NamedTuple):
         return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
 
 
+# A number of a design and its derivatives by the variables stand in a row, (1 + variables,), several in a matrix.
+
+
+def shifted(rows: Array, by: float) -> Array:
+    """Rows of values with derivatives, the values larger by a number."""
+    return np.column_stack([rows[:, 0] + by, rows[:, 1:]])
+
+
 class Pieces(NamedTuple):
-    """A figure as ``sign`` times the highest of smooth values (k,), with their derivatives (k, variables)."""
+    """A figure as ``sign`` times the highest of smooth values, ``rows`` (k, 1 + variables)."""
 
     sign: float
-    values: Array
-    slopes: Array
+    rows: Array
 
     @property
-    def top(self) -> tuple[Array, Array]:
-        """The highest of the values (1,), and its derivatives (1, variables)."""
-        here = slice(best := int(np.argmax(self.values)), best + 1)
-        return self.values[here], self.slopes[here]
+    def top(self) -> Array:
+        """The row of the highest value, (1, 1 + variables)."""
+        return self.rows[[int(np.argmax(self.rows[:, 0]))]]
 
-    @property
-    def value(self) -> float:
-        """The figure's value, SI: the highest piece with its sign."""
-        return self.sign * float(np.max(self.values))
-
-    def bounded_by(self, sign: float) -> tuple[Array, Array]:
-        """Smooth values, and derivatives, whose highest is ``sign``, 1 or -1, times the figure."""
-        if sign == self.sign:
-            return self.values, self.slopes
-        values, slopes = self.top
-        return -values, -slopes
+    def bounded_by(self, sign: float) -> Array:
+        """Rows of smooth values whose highest is ``sign``, 1 or -1, times the figure."""
+        return self.rows if sign == self.sign else -self.top
 
 
 class Linearised(NamedTuple):
-    """A design: what the aim has to be above, and what has to be positive or zero, with their derivatives; scaled."""
+    """A design: scaled rows: what the aim has to be above, what has to be positive, what has to be zero."""
 
     aim: Array
-    aim_slopes: Array
     inside: Array
-    inside_slopes: Array
     equal: Array
-    equal_slopes: Array
 
     @property
     def violation(self) -> float:
         """The largest violation of a constraint, as a share of its size; 0 if all hold."""
-        return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
+        return float(max(np.max(-self.inside[:, 0], initial=0.0), np.max(np.abs(self.equal[:, 0]), initial=0.0)))
 
 
 @dataclass(frozen=True)
@@ -288,41 +283,31 @@ class DesignProblem:
         """Aim and constraints of a design with derivatives, a row for each window; raises AssemblyError."""
         pieces = self._pieces_of_figures(place, windows)
         aims = [piece.bounded_by(self.sign) for piece in pieces[: len(self.aims)]]
-        inside, equal = [], []
+        none = np.empty((0, 1 + len(self.variables)))
+        inside, equal = [none], [none]
         for figure, entry, size in zip(self.constraints, pieces[len(self.aims) :], self.constraint_sizes, strict=True):
             if figure.is_equal:
-                values, slopes = entry.top
-                equal.append(((entry.sign * values - figure.low) / size, entry.sign * slopes / size))
+                equal.append(shifted(entry.sign * entry.top, -figure.low) / size)
                 continue
             for sign, bound in ((1.0, figure.high), (-1.0, -figure.low)):
                 if np.isfinite(bound):
-                    values, slopes = entry.bounded_by(sign)
-                    inside.append(((bound - values) / size, -slopes / size))
-        values, slopes = self._stacked(aims)
-        return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
-
-    def _stacked(self, parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-        """Values and their derivatives from several parts, one below the other; empty arrays without parts."""
-        if not parts:
-            return np.empty(0), np.empty((0, len(self.variables)))
-        return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
+                    inside.append(shifted(-entry.bounded_by(sign), bound) / size)
+        return Linearised(np.vstack(aims) / self.aim_size, np.vstack(inside), np.vstack(equal))
 
     def _pieces_of_figures(self, place: Array, windows: tuple[SampleWindow, ...]) -> list[Pieces]:
         """The pieces of every aim and constraint, maxima looked for in ``windows``; raises AssemblyError."""
         numbers = self.numbers(place)
-        heights: dict[SignalExtreme, tuple[Array, Array]] = {}
+        heights: dict[SignalExtreme, Array] = {}
         if windows:
             values, slopes = self.maxima.heights(numbers, windows)
-            for side in self.maxima.sides:
-                rows = [row for row, window in enumerate(windows) if window.side == side]
-                heights[side] = values[rows], slopes[rows] * self.width
+            rows = np.column_stack([values, slopes * self.width])
+            heights = {side: rows[[window.side == side for window in windows]] for side in self.maxima.sides}
+        smooth: dict[NamedFigure, Pieces] = {}
         plain = [figure for figure in self.figures if not sides(figure.figure)]
-        smooth = {}
         if plain:
             values, slopes = self.case.gradients(numbers, plain)
-            smooth = {
-                figure: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, figure in enumerate(plain)
-            }
+            rows = np.column_stack([values, slopes * self.width])
+            smooth = {figure: Pieces(1.0, rows[[number]]) for number, figure in enumerate(plain)}
         return [smooth.get(figure) or _figure_pieces(figure.figure, heights) for figure in self.figures]
 
     def sample_designs(self, places: Array, angles: Array) -> Array:
@@ -339,15 +324,13 @@ class DesignProblem:
         return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
 
 
-def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
-    """The pieces of a figure, from the local maxima of its sides and their derivatives."""
+def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, Array]) -> Pieces:
+    """The pieces of a figure, from the rows of its sides' local maxima."""
     parts = [heights[side] for side in sides(figure)]
     if effective_reduction(figure) is Reduction.RANGE:
-        (up, up_slopes), (down, down_slopes) = parts
-        slopes = up_slopes[:, None] + down_slopes[None]
-        return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
-    sign = -1.0 if figure.reduction is Reduction.MIN else 1.0
-    return Pieces(sign, np.concatenate([values for values, _ in parts]), np.vstack([values for _, values in parts]))
+        up, down = parts
+        return Pieces(1.0, (up[:, None] + down[None]).reshape(-1, up.shape[1]))
+    return Pieces(-1.0 if figure.reduction is Reduction.MIN else 1.0, np.vstack(parts))
 
 
 # Bounds and constraints as typed: ``rod.B.x=170:180``, ``rod.B.x=±10%``, ``stroke=29.9:30.1``.

@@ -10,7 +10,7 @@ import numpy as np
 
 from analytic.errors import AssemblyError
 from analytic.numerics.arrays import Array
-from comparisons.designer.problem import ALLOWED_EXCESS, DesignProblem, Linearised, SampleWindow
+from comparisons.designer.problem import ALLOWED_EXCESS, DesignProblem, Linearised, SampleWindow, shifted
 
 ROUNDS: Final = 15
 SETTLED: Final = 1e-10  # by which a round has to lower the aim for another one as wide
@@ -89,10 +89,10 @@ class Descent:
         from scipy.optimize import nnls  # noqa: PLC0415
 
         here = self.linearise(place, self.problem.windows(place))
-        aims = here.aim_slopes[here.aim > np.max(here.aim) - ACTIVE]
-        eye = np.eye(len(place))
-        walls = [here.inside_slopes[here.inside < ACTIVE], here.equal_slopes, -here.equal_slopes,
-                 eye[place < ACTIVE], -eye[place > 1.0 - ACTIVE]]  # fmt: skip
+        aims = here.aim[here.aim[:, 0] > np.max(here.aim[:, 0]) - ACTIVE, 1:]
+        eye, equal = np.eye(len(place)), here.equal[:, 1:]
+        walls = [here.inside[here.inside[:, 0] < ACTIVE, 1:], equal, -equal, eye[place < ACTIVE],
+                 -eye[place > 1.0 - ACTIVE]]  # fmt: skip
         normals = np.vstack(walls)
         matrix = np.vstack([np.vstack([aims, -normals]).T, np.append(np.ones(len(aims)), np.zeros(len(normals)))])
         shares, _ = nnls(matrix, np.append(np.zeros(len(place)), 1.0))
@@ -102,7 +102,7 @@ class Descent:
     def end(self, place: Array) -> End:
         """The design at a place as the end of a search; raises AssemblyError."""
         here = self.linearise(place, self.problem.windows(place))
-        return End(place, float(np.max(here.aim)), here.violation)
+        return End(place, float(np.max(here.aim[:, 0])), here.violation)
 
     def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
         """The design at a place, linearised and counted; raises AssemblyError."""
@@ -118,26 +118,28 @@ class Descent:
 
         designs = _CachedDesigns(self, end.place)
         column = np.append(np.zeros(len(end.place)), 1.0)
-        above = _below_aim if end.is_feasible else _within_violation
-        limits: list[dict[str, Any]] = [
-            {
-                "type": "ineq",
-                "fun": lambda z: (row := above(designs(z[:-1])))[0] + z[-1] * row[2],
-                "jac": lambda z: np.column_stack(above(designs(z[:-1]))[1:]),
-            }
-        ]
-        free = independent(designs(end.place).equal_slopes) if end.is_feasible else []
+
+        def limits(z: Array) -> Array:
+            """The rows that have to be positive, each with its derivative by z at its end."""
+            return _limits(designs(z[:-1]), is_feasible=end.is_feasible)
+
+        held: list[dict[str, Any]] = [{
+            "type": "ineq",
+            "fun": lambda z: (rows := limits(z))[:, 0] + z[-1] * rows[:, -1],
+            "jac": lambda z: limits(z)[:, 1:],
+        }]  # fmt: skip
+        free = independent(designs(end.place).equal[:, 1:]) if end.is_feasible else []
         if free:
-            limits.append({
+            held.append({
                 "type": "eq",
-                "fun": lambda z: designs(z[:-1]).equal[free],
-                "jac": lambda z: np.column_stack([designs(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
+                "fun": lambda z: designs(z[:-1]).equal[free, 0],
+                "jac": lambda z: np.column_stack([designs(z[:-1]).equal[free, 1:], np.zeros(len(free))]),
             })  # fmt: skip
         box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
         first, least, exactness = (end.aim, None, 1e-15) if end.is_feasible else (end.violation, 0.0, ENOUGH)
         result = minimize(
             lambda z: z[-1], np.append(end.place, first), jac=lambda _: column, bounds=[*box, (least, None)],
-            constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": exactness},
+            constraints=held, method="SLSQP", options={"maxiter": STEPS, "ftol": exactness},
         )  # fmt: skip
         place = np.asarray(result.x[:-1])
         try:
@@ -146,29 +148,15 @@ class Descent:
             return None
 
 
-Rows = tuple[Array, Array, Array]
+def _limits(design: Linearised, *, is_feasible: bool) -> Array:
+    """Rows that, with z by their last factor, are positive if a design's aim is at most z and it is feasible.
 
-
-def _below_aim(design: Linearised) -> Rows:
-    """Values that, with z by their last factor, are positive if a design's aim is at most z; derivatives; factors.
-
-    The derivatives are by place, the factors by z.
+    Of a design that is not feasible they are positive if no constraint is violated by more than z.
     """
-    own = np.concatenate([-design.aim, design.inside])
-    return (
-        own,
-        np.vstack([-design.aim_slopes, design.inside_slopes]),
-        np.repeat([1.0, 0.0], [len(design.aim), len(design.inside)]),
-    )
-
-
-def _within_violation(design: Linearised) -> Rows:
-    """Values that, with z added, are positive if a design violates no constraint by more than z.
-
-    Their derivatives by place, and by z, follow.
-    """
-    own = np.concatenate([design.inside, design.equal, -design.equal])
-    return own, np.vstack([design.inside_slopes, design.equal_slopes, -design.equal_slopes]), np.ones(len(own))
+    parts = [(-design.aim, 1.0), (design.inside, 0.0)]
+    if not is_feasible:
+        parts = [(design.inside, 1.0), (design.equal, 1.0), (-design.equal, 1.0)]
+    return np.vstack([np.column_stack([rows, np.full(len(rows), factor)]) for rows, factor in parts])
 
 
 def independent(slopes: Array) -> list[int]:
@@ -201,9 +189,8 @@ class _CachedDesigns:
             except AssemblyError:
                 self.descent.beyond += 1
                 far = self.good
-                self.designs = far._replace(
-                    aim=far.aim + OUT_OF_REACH, inside=far.inside - OUT_OF_REACH, equal=far.equal + OUT_OF_REACH
-                )
+                away = (OUT_OF_REACH, -OUT_OF_REACH, OUT_OF_REACH)
+                self.designs = Linearised(*(shifted(rows, by) for rows, by in zip(far, away, strict=True)))
         return self.designs
 
 
