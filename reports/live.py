@@ -16,7 +16,6 @@ from analytic.description.crank_motion import RPM, CrankMotion
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.description.loading import WrittenNumbers, with_variant_written, written_numbers
-from analytic.description.units import Kind
 from analytic.description.walk import Keys, Number
 from analytic.description.written import file_unit
 from analytic.errors import LinkproofError
@@ -141,12 +140,18 @@ def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> 
     Without a model, but a reason, it holds samples of the motion, and nothing on it can be changed.
     """
     label = f"{sheet.linkage.title or sheet.name} in motion"
+    mechanism, length = Mechanism(sheet.linkage), sheet.file_unit_of("m")
+    data = {
+        "name": sheet.linkage.name,
+        "length": {"unit": length.name, "size": length.size},
+        "results": [_result_data(name, mechanism) for name in results(mechanism)],
+        **_drawing_data(mechanism),
+    }
     if isinstance(model, str):
-        mechanism = Mechanism(sheet.linkage)
         further, columns = _samples(sheet, mechanism)
-        data = {**_sampled(sheet, mechanism), **_drawing_data(mechanism), "pulls": {}, "further": further}
+        data |= {**_sampled(sheet), "pulls": {}, "further": further}
         return Widget("live", "live", label, data, {"model": {"samples": columns}}, instead=instead)
-    data = {**model.data, **_numbers(model), **_drawing_data(model.mechanism)}
+    data |= {**model.data, **_numbers(model)}
     return Widget("live", "live", label, data, {"model": model.program}, instead=instead)
 
 
@@ -154,26 +159,18 @@ FEWEST, MOST, PER_TURN = 721, 2401, 181  # samples of a motion that is not compu
 MOST_NUMBERS: Final = 200_000  # of all its results
 
 
-def _sampled(sheet: Sheet, mechanism: Mechanism) -> dict[str, Any]:
-    """The data of a widget without formulas, JSON-ready: no numbers, a motion, and the names of the results."""
-    time, linkage = sheet.values["time"], sheet.linkage
-    length = sheet.file_unit_of("m")
-    return {
-        "isSampled": True,
-        "motion": {
-            "duration": float(time.max() - time.min()),
-            "steady": sheet.axis == "phi",
-            "linear": linkage.is_linear,
-            "turns": sheet.is_turn,
-            "speed": 0.0,
-            "range": 0.0,
-        },
-        "results": [_result_data(name, mechanism) for name in results(mechanism)],
-        "name": linkage.name,
-        "numbers": [],
-        "groups": [],
-        "length": {"unit": length.name, "size": length.size},
+def _sampled(sheet: Sheet) -> dict[str, Any]:
+    """The data of a widget without formulas, JSON-ready: no numbers, and a motion."""
+    time = sheet.values["time"]
+    motion = {
+        "duration": float(time.max() - time.min()),
+        "steady": sheet.axis == "phi",
+        "linear": sheet.linkage.is_linear,
+        "turns": sheet.is_turn,
+        "speed": 0.0,
+        "range": 0.0,
     }
+    return {"isSampled": True, "motion": motion, "numbers": [], "groups": []}
 
 
 def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, Any]]:
@@ -223,32 +220,24 @@ def _numbers(model: Model) -> dict[str, Any]:
     chosen = {name: number for name, number in every.items() if number.kind != "direction"}
     file = written_numbers(linkage.text, linkage.name, linkage.variant)
     files = templates(linkage, chosen)
-    length = file.unit(Kind.LENGTH)
     roles = dict.fromkeys(model.numbers, "given") | {
         name: "sketch" if name.startswith("sketch.") else "table"
         for name, number in chosen.items()
         if name.startswith("sketch.") or is_of_table(number, linkage)
     }
-    rows = [
-        _number_row(
-            name, every[name], file, [template.literals[name] for template in files if name in template.literals]
-        )
-        | {"role": role, "load": load_of(every[name], linkage)}
-        for name, role in roles.items()
-    ]
-    for row in rows:
-        row["offered"] &= row["role"] == "given" and row["load"] is None
-    rows += [
-        _extra_number(f"load {n + 1}", f"{label}, times", "scale", 1.0, "")
-        for n, label in enumerate(_load_labels(linkage))
-    ]
+    rows = []
+    for name, role in roles.items():
+        literals = [template.literals[name] for template in files if name in template.literals]
+        row, load = _number_row(name, every[name], file, literals), load_of(every[name], linkage)
+        rows.append({**row, "role": role, "load": load, "offered": row["offered"] and role == "given" and load is None})
+    labels = [f"force on {force.point}" for force in linkage.forces]
+    labels += [f"torque on {torque.link}" for torque in linkage.torques]
+    rows += [_extra_number(f"load {n}", f"{label}, times", "scale", 1.0, "") for n, label in enumerate(labels, start=1)]
     if model.data["motion"]["speed"]:
         rows.append(_extra_number("speed", "speed", "speed", model.data["motion"]["speed"], "rpm"))
     return {
-        "name": linkage.name,
         "numbers": rows,
         "files": [{"parts": template.parts, "literals": template.literals} for template in files],
-        "length": {"unit": length.name, "size": length.size},
         "sketch": linkage.sketch_angle,
     }
 
@@ -274,12 +263,6 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
         "size": unit.size,
         "offered": is_same,
     }
-
-
-def _load_labels(linkage: Linkage) -> Iterator[str]:
-    """Yield the labels of all forces, then of all torques."""
-    yield from (f"force on {force.point}" for force in linkage.forces)
-    yield from (f"torque on {torque.link}" for torque in linkage.torques)
 
 
 def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
@@ -381,7 +364,6 @@ def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
             **_motion(motion, is_linear=mechanism.linkage.is_linear, has_ends=has_ends),
             "open": _open_places(mechanism, motion),
         },
-        "results": [_result_data(name, mechanism) for name in results(mechanism)],
         "groups": [
             {"name": dyad.name, "point": getattr(dyad.joints[1], "point", "")} for dyad in mechanism.structure.dyads
         ],

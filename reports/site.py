@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -32,7 +32,7 @@ from reports.campaign.index import TITLE as INDEX_TITLE
 from reports.campaign.index import index
 from reports.campaign.summary import markdown
 from reports.document import html
-from reports.document.parts import Page, PageLink, Words
+from reports.document.parts import Page, PageLink, Paragraph, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
 
@@ -44,10 +44,7 @@ BENCH, STRESS = bench_page.LINK, stress_pages.LINK
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of a folder: the data ``sheets`` of its linkages, and its studies, each read on first use.
-
-    A study is None if the folder has none of its kind.
-    """
+    """The contents of a folder: the data ``sheets`` of its linkages, and its studies, each read on first use."""
 
     path: Path
     sheets: tuple[Sheet, ...]
@@ -57,80 +54,76 @@ class Contents:
         return Contents, (self.path, self.sheets)
 
     @cached_property
+    def kinds(self) -> frozenset[str]:
+        """The kinds of the studies in the folder."""
+        every = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
+        return frozenset(kind for kind in every if has_study(self.path, kind))
+
+    @cached_property
     def campaign(self) -> CampaignResults | None:
         """The comparison or judgement in the folder; None without one."""
-        return campaign.load(self.path) if campaign.is_saved(self.path) else None
+        return campaign.load(self.path) if self.kinds & {*campaign.KINDS} else None
 
     @property
     def comparison(self) -> CampaignResults | None:
         """The comparison of engines in the folder; None without one."""
-        return self.campaign if has_study(self.path, campaign.COMPARE) else None
+        return self.campaign if campaign.COMPARE in self.kinds else None
 
     @cached_property
-    def bench(self) -> Bench | None:
-        """The benchmark in the folder; None without one."""
-        return work_precision.load(self.path) if has_study(self.path, work_precision.KIND) else None
+    def bench(self) -> Bench:
+        """The benchmark in the folder; raises LinkproofError without one."""
+        return work_precision.load(self.path)
 
     @cached_property
-    def stress(self) -> Stress | None:
-        """The stability maps in the folder; None without any."""
-        return stress_test.load(self.path) if has_study(self.path, stress_test.KIND) else None
+    def stress(self) -> Stress:
+        """The stability maps in the folder; raises LinkproofError without any."""
+        return stress_test.load(self.path)
 
-    @property
-    def is_single(self) -> bool:
-        """Whether the folder holds one designer's result or judgement, whose page is then the first."""
-        return len(self.sheets) == 1 and self.comparison is None and self.bench is None and self.stress is None
+    @cached_property
+    def pages(self) -> Mapping[PageLink, Callable[[], Page]]:
+        """What builds every page, by the link to it, in reading order: the first page, mechanisms, studies.
 
-    def file_of(self, sheet: Sheet) -> str:
-        """The path of a mechanism's page in the folder; that of the first page if it is the only one."""
-        return INDEX if self.is_single else mechanism_page.file_of(sheet)
-
-    def links(self) -> tuple[PageLink, ...]:
-        """Links to the pages in reading order, the first page first.
-
-        Raises LinkproofError where there is no data for any page.
+        One designer's result or judgement has one page. Raises LinkproofError where there is no data for any page.
         """
-        if self.is_single:
-            return (PageLink(self.sheets[0].name, INDEX),)
-        studies = ((BENCH, self.bench), (STRESS, self.stress))
         names = [sheet.name for sheet in self.sheets]
-        page_links = (
-            *(
-                PageLink(name if names.count(name) == 1 else f"{name} ({sheet.variant})", self.file_of(sheet))
-                for name, sheet in zip(names, self.sheets, strict=True)
-            ),
-            *(link for link, study in studies if study is not None),
-        )
-        if not page_links:
+        if len(names) == 1 and self.kinds <= {campaign.JUDGE}:
+            return {PageLink(names[0], INDEX): lambda: replace(self._mechanism(self.sheets[0]), file=INDEX)}
+        pages: dict[PageLink, Callable[[], Page]] = {PageLink(INDEX_TITLE, INDEX): self._index}
+        for name, sheet in zip(names, self.sheets, strict=True):
+            title = name if names.count(name) == 1 else f"{name} ({sheet.variant})"
+            pages[PageLink(title, mechanism_page.file_of(sheet))] = partial(self._mechanism, sheet)
+        if work_precision.KIND in self.kinds:
+            pages[BENCH] = lambda: bench_page.page(self.bench)
+        if stress_test.KIND in self.kinds:
+            pages[STRESS] = lambda: stress_pages.page(self.stress)
+        if len(pages) == 1:
             raise LinkproofError(
                 f"nothing to report in '{self.path}': expected the folder given to --out of compare, bench, stress, "
                 "judge or results"
             )
-        return (PageLink(INDEX_TITLE, INDEX), *page_links)
+        return pages
 
-    def page(self, file: str) -> Page:
-        """The page with this file name, built from the folder's data; raises StopIteration for none."""
-        if file == INDEX and not self.is_single:
-            cost = bench_page.cost(self.bench) if self.bench is not None else ()
-            return index(self.comparison, self.sheets, tuple(self._studies()), cost)
-        if file == BENCH.href and self.bench is not None:
-            return bench_page.page(self.bench)
-        if file == STRESS.href and self.stress is not None:
-            return stress_pages.page(self.stress)
-        sheet = next(sheet for sheet in self.sheets if self.file_of(sheet) == file)
-        return replace(mechanism_page.page(sheet, self.campaign), file=file)
+    def _mechanism(self, sheet: Sheet) -> Page:
+        """The page of a mechanism."""
+        return mechanism_page.page(sheet, self.campaign)
 
-    def _studies(self) -> Iterator[Words]:
-        """Yield for the benchmark and the stability maps, if there are, a link to the page, with a sentence."""
-        if self.bench is not None:
-            yield BENCH, ": ", sentence("index_bench", points=[point for point in self.bench.points if point.errors])
-        if self.stress is not None:
-            yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
+    def _index(self) -> Page:
+        """The first page of several, with a link to each study and a sentence on it."""
+        studies: list[Words] = []
+        cost: tuple[Paragraph, ...] = ()
+        if work_precision.KIND in self.kinds:
+            points = [point for point in self.bench.points if point.errors]
+            studies.append((BENCH, ": ", sentence("index_bench", points=points)))
+            cost = bench_page.cost(self.bench)
+        if stress_test.KIND in self.kinds:
+            words = sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
+            studies.append((STRESS, ": ", words))
+        return index(self.comparison, self.sheets, tuple(studies), cost)
 
 
 # Writing a report's folder: every page with its figures, in worker processes; stale files are removed.
 
-SUMMARY: Final = "RESULTS.md"
+SUMMARY: Final = PageLink("Summary", "RESULTS.md")
 WRITTEN: Final = "assets/written.txt"  # the files of the report, so that the next one can remove those it lacks
 
 
@@ -142,21 +135,20 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
     there, and where there is no data.
     """
     contents = Contents(folder, _sheets(folder, processes))
-    links = contents.links()
+    first, *others = contents.pages
     _claimed = claim(folder)  # until the last file is written
     html.write_assets(folder)
-    files = [link.href for link in (*links[1:], links[0])]  # slow pages first
-    jobs = [(file,) for file in (*files, *([SUMMARY] if contents.comparison else []))]
-    write = partial(_write, contents, links)
+    jobs = [(link,) for link in (*others, first, *([SUMMARY] if contents.comparison else []))]  # slow pages first
+    write = partial(_write, contents)
     written: dict[int, tuple[str, ...]] = {}
     with suppress(LinkproofError):
         count = usual_processes(len(jobs)) if processes is None else processes
         for job, names in LocalPool(count).run(write, jobs):
             if not isinstance(names, Lost):
                 written[job] = names
-    for job, (file,) in enumerate(jobs):
+    for job, (link,) in enumerate(jobs):
         if job not in written:
-            written[job] = write(file)
+            written[job] = write(link)
     _replace_file_list(folder, {name for names in written.values() for name in names})
     return folder / INDEX
 
@@ -174,17 +166,17 @@ def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
     return (*campaign_sheets(linkages, results.motions, results.regimes, processes), *added)
 
 
-def _write(contents: Contents, links: Sequence[PageLink], file: str) -> tuple[str, ...]:
+def _write(contents: Contents, link: PageLink) -> tuple[str, ...]:
     """Write one page with its figures, or the summary; returns the names of its files.
 
     Garbage collection is off meanwhile, which saves an eighth.
     """
     gc.disable()
     try:
-        if file == SUMMARY and contents.comparison is not None:
-            write_file(contents.path / SUMMARY, markdown(contents.comparison))
-            return (SUMMARY,)
-        return tuple(html.write(contents.page(file), contents.path, links))
+        if link == SUMMARY and contents.comparison is not None:
+            write_file(contents.path / SUMMARY.href, markdown(contents.comparison))
+            return (SUMMARY.href,)
+        return tuple(html.write(contents.pages[link](), contents.path, tuple(contents.pages)))
     finally:
         gc.enable()
 

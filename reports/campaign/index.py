@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final
@@ -240,10 +240,10 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
     return sentence(
         "verdict_trust",
         setting=setting,
-        whole=Names(name for name in right if not lacking[name]),
+        whole=[name for name in right if not lacking[name]],
         part=_engines_by_families({name: lacking[name] for name in right}),
         wrong=_engines_by_families(wrong),
-        silent=Names(name for name in engines if not judged[name]),
+        silent=[name for name in engines if not judged[name]],
         red=_has_failed(trust.results),
         count=sum(len(cell.judged) for name in right for cell in judged[name].values()),
     )
@@ -260,7 +260,7 @@ def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
     """Sentences, as one text, on which engines are within limits at their naive settings, which decide nothing."""
     ran = {name: trust.row(name, Setting.NAIVE.value).values() for name in engines}
     over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
-    within = Names(name for name, cells in ran.items() if cells and name not in over)
+    within = [name for name, cells in ran.items() if cells and name not in over]
     rows = [(name, _share_of_peak(error)) for name, error in sorted(over.items(), key=lambda item: item[1])]
     return sentence("verdict_untuned", within=within, over=rows)
 
@@ -272,25 +272,9 @@ def _share_of_peak(error: float) -> str:
     return f"{numbers.printed(float(f'{error:.2g}'))} peaks"
 
 
-class Names:
-    """Engines as a subject: their ``words``, and whether they are ``many``."""
-
-    def __init__(self, names: Iterable[str]) -> None:
-        """Names in words, and whether they are several."""
-        every = [*names]
-        self.words, self.many = listed(every), len(every) > 1
-
-
-def _engines_by_families(families: Mapping[str, Sequence[str]]) -> list[tuple[Names, str]]:
-    """Engines grouped by equal families: their names, and the families in words; engines without any are left out."""
-    groups = grouped((tuple(names), name) for name, names in families.items() if names)
-    return [(Names(names), listed(texts)) for texts, names in groups.items()]
-
-
-def listed(words: Iterable[str]) -> str:
-    """Words joined for a sentence: "a, b and c"; "" for none."""
-    *first, last = [*words] or [""]
-    return f"{', '.join(first)} and {last}" if first else last
+def _engines_by_families(families: Mapping[str, Sequence[str]]) -> dict[tuple[str, ...], list[str]]:
+    """Engines with the same families by these families; engines without any are left out."""
+    return grouped((tuple(names), engine) for engine, names in families.items() if names)
 
 
 # A card of a mechanism: its scheme and the figures it is chosen by.

@@ -14,7 +14,6 @@ from typing import Any, Final
 
 import matplotlib
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MultipleLocator
@@ -89,16 +88,10 @@ def head_lines(lines: Sequence[str], width: float) -> list[str]:
     return [part for line in lines for part in wrap(line, width).splitlines()]
 
 
-def head(host: Host, lines: Sequence[str], key: Sequence[Artist] = ()) -> Host:
-    """Write lines, and a key of labelled artists, at the top of a figure; returns the part below them."""
-    wide = inches(host)[0]
-    if lines:
-        host.suptitle("\n".join(head_lines(lines, wide)), x=0.01, ha="left", fontsize="medium")
-        host = host.add_subfigure(host.add_gridspec()[0])
-    if key:
-        longest = max(len(str(entry.get_label())) for entry in key) / LETTERS + 0.5
-        host.legend(handles=[*key], loc="outside upper left", ncols=max(1, int(wide / longest)))
-    return host
+def head(host: Host, lines: Sequence[str]) -> Host:
+    """Write lines at the top of a figure; returns the part below them."""
+    host.suptitle("\n".join(head_lines(lines, inches(host)[0])), x=0.01, ha="left", fontsize="medium")
+    return host.add_subfigure(host.add_gridspec()[0])
 
 
 def axis_label(name: str, unit: str) -> str:

@@ -65,8 +65,7 @@ def _everything(sheet: Sheet) -> Figure:
         for axes, name in zip(plot_stacked(sheet, signals, right) if signals else (), signals, strict=True):
             axes.set_title(_title(sheet, name))
         if vectors:
-            titles = {vector: _force_title(sheet, vector) for vector in vectors}
-            plot_hodographs(sheet, vectors, lower[0], titles)
+            plot_hodographs(sheet, vectors, lower[0])
 
     return draw.drawn(FULL_WIDTH, TITLE + UPPER + rows * CELL, draw_all)
 
@@ -76,13 +75,6 @@ def _title(sheet: Sheet, name: str) -> str:
     peak = sheet.peaks[name]
     what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
-
-
-def _force_title(sheet: Sheet, vector: str) -> str:
-    """The title of a hodograph: the force's name and its peak."""
-    name = plain(vector.partition(":")[2] or vector)
-    peak = words(sheet, sheet.peaks[vector + MAGNITUDE]).replace(" ", "\N{NO-BREAK SPACE}")
-    return f"{printable(name)}, {peak}"
 
 
 def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,9 +67,14 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     filters = (numbers.figure, numbers.bound, numbers.decade, numbers.error, numbers.seconds,
-           numbers.within_turn, plain, math.degrees)  # fmt: skip
+           numbers.within_turn, plain, enumerated, math.degrees)  # fmt: skip
     environment.filters.update({function.__name__: function for function in filters})
     return environment
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """Names joined for a sentence: "a, b and c"; "" for none."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 def plain(name: str) -> str:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -15,6 +14,8 @@ from matplotlib.figure import Figure
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Link
+from analytic.errors import printable
+from analytic.signals import MAGNITUDE
 from comparisons.designer.curves import TIME
 from comparisons.designer.sheet import JOINT, ROUNDING, Sheet
 from reports.charts import draw
@@ -37,7 +38,7 @@ from reports.document.parts import (
 )
 from reports.document.templates import plain, sentence
 from reports.mechanism.fact_words import mechanism_words
-from reports.mechanism.shown import figures_table, jeq
+from reports.mechanism.shown import figures_table, jeq, words
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
@@ -47,7 +48,6 @@ TALL: Final = 3.9  # inches, of panels one under the other
 MOST_HODOGRAPHS, PER_ROW = 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
 ACTS: Final = "A joint's force acts on the link named; directions count from x."
-NO_TITLES: Final[Mapping[str, str]] = MappingProxyType({})
 DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and between those that are named
 
 
@@ -176,10 +176,10 @@ def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
     return page_figure(sheet, "hodographs", caption, "hodographs of the joint forces", drawing)
 
 
-def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Mapping[str, str] = NO_TITLES) -> None:
+def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host) -> None:
     """Draw each vector's Fy over Fx into ``host``, to its own scale; over a turn a dot every 30° and named quarters.
 
-    ``titles`` replace the vectors' names.
+    Each is entitled with its name and its peak.
     """
     columns = min(PER_ROW, len(vectors))
     rows = -(-len(vectors) // columns)
@@ -199,9 +199,9 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
                     named.append(place)
                     away = 11.0 * unit_vector(np.array(place) - np.mean(dots, axis=1))  # points
                     axes.annotate(f"{at}°", place, away, textcoords="offset points", ha="center", va="center")
-        axes.set_title(
-            wrap(titles.get(vector) or plain(vector.partition(":")[2] or vector), FULL_WIDTH / PER_ROW - 0.6)
-        )
+        peak = words(sheet, sheet.peaks[vector + MAGNITUDE]).replace(" ", "\N{NO-BREAK SPACE}")
+        title = f"{printable(plain(vector.partition(':')[2] or vector))}, {peak}"
+        axes.set_title(wrap(title, FULL_WIDTH / PER_ROW - 0.6))
         axes.margins(0.1, 0.15)
         axes.locator_params(nbins=4)
         draw.finish(axes, f"Fx, {unit}", f"Fy, {unit}", equal=True)
@@ -210,7 +210,7 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host, titles: Ma
 
 
 def _links_section(sheet: Sheet) -> Section:
-    """The section on the links: a scheme, their data in the file's units, shares of Jeq, notes, what is missing."""
+    """The section on the links: a scheme, their data in the file's units, notes, what is missing."""
     linkage = sheet.linkage
     units = [sheet.file_unit_of(si) for si in ("kg", "kg m²", "m")]
     head = ("link", *(f"{word}, {unit.on_page}" for word, unit in zip(("m", "J", "mass centre"), units, strict=True)))

@@ -49,17 +49,12 @@ def engines_section(view: View) -> Section:
     return Section("engines", "How the engines did", (*parts, Fold("How each run was made, and what it cost", runs)))
 
 
-def errors_chart_widget(view: View) -> tuple[Widget, ...]:
-    """The chart of a mechanism as the only member; () where no run gave an error."""
-    return (chart(view),) if any(map(view.shown_setting, view.regimes)) else ()
-
-
 def is_imported(view: View) -> bool:
     """Whether the results are those of another tool's file."""
     return "judgement" in view.results.document
 
 
-def chart(view: View) -> Widget:
+def errors_chart(view: View) -> Widget:
     """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen.
 
     It opens with the curves of the worst signal of a judged file, with every error of engines.

@@ -32,7 +32,7 @@ from reports.document.templates import lines, sentence
 from reports.live import live_widget, model_of
 from reports.mechanism import designer
 from reports.mechanism.designer import finish, page_figure
-from reports.mechanism.engines import engines_section, errors_chart_widget
+from reports.mechanism.engines import engines_section, errors_chart, is_imported
 from reports.mechanism.published import published_section
 from reports.mechanism.shown import figures_table, key_table, open_end_note, required_table
 from reports.records import View, anchor, views
@@ -117,7 +117,7 @@ def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
 
     ``results`` are those of the campaign that its engines ran in, or of a file that was judged.
     """
-    linkage = sheet.linkage
+    linkage, view = sheet.linkage, _view(sheet, results)
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
     source = f" Source: {linkage.source}." if linkage.source else ""
     return Page(
@@ -125,29 +125,26 @@ def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
         title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
-        parts=(*_verdict(results), *_errors(sheet, results), *_first_look(sheet)),
-        sections=tuple(_sections(sheet, results)),
-        charts=results is not None,
+        parts=(*(_verdict(view) if view else ()), *_first_look(sheet)),
+        sections=tuple(_sections(sheet, view)),
+        charts=view is not None,
     )
 
 
-def _verdict(results: CampaignResults | None) -> tuple[Part, ...]:
-    """The parts with the verdict on a judged file and its causes; () without one."""
-    words = results.document.get("judgement", []) if results else []
-    return (Paragraph(words[0], "verdict"), Bullets(tuple(words[1:]))) if words else ()
-
-
-def _views_of(sheet: Sheet, results: CampaignResults | None) -> list[View]:
-    """The view of the results on a sheet's linkage, as the only member of a list; [] without one."""
+def _view(sheet: Sheet, results: CampaignResults | None) -> View | None:
+    """The view of the results on a sheet's linkage; None without one."""
     mine = sheet.name, sheet.variant
     every = views(results) if results else ()
-    return [view for view in every if (view.linkage.name, view.linkage.variant) == mine][:1]
+    return next((view for view in every if (view.linkage.name, view.linkage.variant) == mine), None)
 
 
-def _errors(sheet: Sheet, results: CampaignResults | None) -> Iterator[Part]:
-    """Yield the chart with every error of the engines on the mechanism and their curves; nothing without results."""
-    for view in _views_of(sheet, results):
-        yield from errors_chart_widget(view)
+def _verdict(view: View) -> Iterator[Part]:
+    """Yield of a judged file the verdict and its causes, then the chart of all errors, if there are any."""
+    first, *others = view.results.document.get("judgement", [""])
+    if first:
+        yield from (Paragraph(first, "verdict"), Bullets(tuple(others)))
+    if any(map(view.shown_setting, view.regimes)):
+        yield errors_chart(view)
 
 
 def _first_look(sheet: Sheet) -> Iterator[Part]:
@@ -168,10 +165,10 @@ def _first_look(sheet: Sheet) -> Iterator[Part]:
     yield Cards((Card("The mechanism as in its file", (facts, *note)),), wide=True)
 
 
-def _sections(sheet: Sheet, results: CampaignResults | None) -> Iterator[Section]:
+def _sections(sheet: Sheet, view: View | None) -> Iterator[Section]:
     """Yield the designer's sections, then the engines'; for a judged file its errors come first."""
-    engines = [engines_section(view) for view in _views_of(sheet, results)]
-    is_judged = results is not None and "judgement" in results.document
+    engines = [engines_section(view)] if view else []
+    is_judged = view is not None and is_imported(view)
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)
     if sheet.thread and sheet.positions and "thread_feed" in sheet.values:

@@ -13,7 +13,7 @@ from reports.document.parts import Table, TableCell
 from reports.mechanism.engines import (
     chart_data,
     curves,
-    errors_chart_widget,
+    errors_chart,
     errors_figure,
     errors_section,
 )
@@ -37,7 +37,7 @@ def words(cell):
 
 
 def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
-    (chart,) = errors_chart_widget(views(results)[0])
+    chart = errors_chart(views(results)[0])
     assert [regime["name"] for regime in chart.data["regimes"]] == ["run-up", "run-up-quintic"]
     assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
     assert chart.data["first"] not in chart.further
