@@ -208,7 +208,7 @@ class ToleranceStudy:
 
     @property
     def how(self) -> str:
-        """The word for the derivatives: exact or differences."""
+        """The word for how derivatives are found: "exact" or "difference"."""
         return EXACT if is_exact(self.case.mechanism) else DIFFERENCE
 
     @property

@@ -166,7 +166,10 @@ def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
 
 
 def driver_travel(scene: Scene) -> float:
-    """Signed distance from the driver's start to its farther side, rad or m; of a crank a full turn at most."""
+    """Signed distance from the driver's start to its farther side, rad or m; of a crank a full turn at most.
+
+    A free one is taken to make a full turn.
+    """
     if isinstance(scene.drive, Free):
         return FULL_TURN
     farthest = max((end - start_coordinate(scene) for end in scene.drive.motion.reach), key=abs)

@@ -123,7 +123,10 @@ def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> N
 
 
 def _final_path(path: Path) -> Path:
-    """The file to write once links are followed; raises LinkproofError if there is something else."""
+    """The file to write once links are followed.
+
+    Raises LinkproofError if it is something else or may not be written.
+    """
     if "\0" in str(path):
         raise _write_error(path)
     place = Path(os.path.realpath(path))

@@ -192,7 +192,7 @@ class Clock:
         """The function made to add its time to ``inside``, or to subtract it for a ``sign`` of -1."""
 
         def clocked(*given: Any, **named: Any) -> Any:  # noqa: ANN401 - whatever the function takes
-            """Call the function and add its time, with the sign, to ``inside``."""
+            """Call the function, whose result it returns, and add its time, s, with the sign, to ``inside``."""
             begun = time.perf_counter()
             try:
                 return function(*given, **named)
