@@ -183,7 +183,7 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
     if given is None and (type(None) in kinds or several is str):
         return option.field.default
     if several is float:
-        return _parse_numbers(option.name, given) if isinstance(given, str) else _numbers(option, given)
+        return _numbers(option, given)
     if several is Any:
         return words(given)
     if several is not None:
@@ -204,10 +204,21 @@ def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
 
 
 def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
-    """A number or several as a tuple of floats; raises LinkproofError for anything else."""
-    import numpy as np  # noqa: PLC0415 - what is typed does without
+    """A number or several as a tuple of floats; a text has commas between them; raises LinkproofError otherwise."""
+    import numpy as np  # noqa: PLC0415 - help does without
 
-    return tuple(_number(option, each) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
+    if not isinstance(given, str):
+        return tuple(_number(option, each) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
+    try:
+        numbers = tuple(map(float, given.split(",")))
+    except ValueError:
+        numbers = (math.nan,)
+    if not all(map(math.isfinite, numbers)):
+        raise LinkproofError(
+            f"--{option.name}: expected finite numbers with commas between them, such as 0,30,60, got '{given}'; "
+            "correct it"
+        )
+    return numbers
 
 
 def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
@@ -216,26 +227,9 @@ def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - what
     if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
         what = "a whole number" if is_whole else "a number"
         raise LinkproofError(f"{option.field.name}: expected {what}{unit}, got {shortened(repr(value))}; pass a number")
-    if isinstance(option.info, Positive) and not 0.0 < value < math.inf:
+    if isinstance(option.info, Positive) and not 0.0 < float(value) < math.inf:
         raise LinkproofError(f"--{option.name}: expected a positive finite number{unit}, got {value:g}; correct it")
     return value  # type: ignore[return-value]
-
-
-def _parse_numbers(option: str, text: str) -> tuple[float, ...]:
-    """Parse numbers with commas between them; raises LinkproofError for what is no finite number."""
-    numbers = []
-    for word in text.split(","):
-        try:
-            number = float(word)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise LinkproofError(
-                f"--{option}: expected finite numbers with commas between them, such as 0,30,60, got "
-                f"'{word.strip()}'; correct it"
-            )
-        numbers.append(number)
-    return tuple(numbers)
 
 
 # The command that repeats a call, and the options of a call that a folder keeps.

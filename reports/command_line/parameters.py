@@ -14,6 +14,7 @@ from typing import Any, get_args
 
 import click
 
+from analytic.errors import LinkproofError
 from reports.api.options import (
     Argument,
     DeclaredOption,
@@ -23,12 +24,21 @@ from reports.api.options import (
     member_type,
     option_groups,
 )
-from reports.command_line import completion, gone
+from reports.command_line import completion
 
-GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
+TEMPLATES = Path(__file__).parents[1] / "templates"
+GLOSSARY, GONE = TEMPLATES / "glossary.txt", TEMPLATES / "gone.txt"  # commands and options of 1.0: what to do instead
 OF_PYTHON = re.compile(r"\n\n(?=In Python |>>> )")  # what a docstring says beyond the command
 NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 SETTINGS = {"help_option_names": ["-h", "--help"]}
+
+
+def refuse_gone(name: str, command: str = "") -> None:
+    """Raise LinkproofError for a command, or an option of a ``command``, that is gone; do nothing for any other."""
+    answers = dict(line.split(": ", 1) for line in GONE.read_text(encoding="utf-8").splitlines())
+    answer = answers.get(f"{command} {name}", answers.get(name))
+    if answer:
+        raise LinkproofError(f"{name}: {answer}")
 
 
 class CommandGroup(click.Group):
@@ -41,7 +51,7 @@ class CommandGroup(click.Group):
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
         """The command of the first word, as click has it; raises LinkproofError for one that is gone."""
         if args[0] not in self.commands and not ctx.resilient_parsing:
-            gone.refuse(args[0])
+            refuse_gone(args[0])
         return super().resolve_command(ctx, args)
 
     def get_help(self, ctx: click.Context) -> str:
@@ -72,11 +82,11 @@ class LinkproofCommand(click.Command):
         """
         files = [file for word, file in pairwise(args) if word == "--json" and not ctx.resilient_parsing]
         if any(file == "-" or file.lower().endswith(".json") for file in files):
-            gone.refuse("--json")
+            refuse_gone("--json")
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
-            gone.refuse(error.option_name, self.name or "")
+            refuse_gone(error.option_name, self.name or "")
             raise
 
 
@@ -130,12 +140,13 @@ def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
     if Path in types or several is Path:
         value = click.Path(path_type=Path)
     known = getattr(completion, info.names) if info.names else None
+    complete = known and (lambda _context, _parameter, incomplete: known(incomplete))
     if isinstance(info, Argument):
         required = default is inspect.Parameter.empty
         usage = (info.metavar if required else f"[{info.metavar}]") + ("..." if several else "")
         return click.Argument(
             [name], type=value, nargs=-1 if several else 1, required=required, metavar=usage,
-            shell_complete=_completer(known),
+            shell_complete=complete,
         )  # fmt: skip
     flags = info.flags or (f"--{name.replace('_', '-')}",)
     if kind is bool:
@@ -144,13 +155,8 @@ def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
     return click.Option(
         [name, *flags], type=value, multiple=is_multiple, metavar=info.metavar, help=text or info.help,
         default=None if is_multiple else default, show_default=default is not None and not is_multiple,
-        shell_complete=_completer(known),
+        shell_complete=complete,
     )  # fmt: skip
-
-
-def _completer(known: Callable[[str], list[str]] | None) -> Callable[..., list[str]] | None:
-    """A function of names as click's shell completion; None for None."""
-    return None if known is None else lambda _context, _parameter, incomplete: known(incomplete)
 
 
 def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
@@ -24,7 +25,7 @@ from comparisons.trials.stress.cells import StressVerdict
 from comparisons.trials.work_precision import table as work_precision
 from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
 from comparisons.trials.work_precision.table import Bench
-from engines.contract import Outcome, Setting
+from engines.contract import Outcome
 from reports import FAILED, PASSED, SUITE_ERROR
 from reports import bench as bench_words
 from reports import stress as stress_words
@@ -46,7 +47,7 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 class Trials(Study):
     """The ``results`` of runs of engines, which a ``folder`` keeps; by default a page is written on all cores."""
 
-    module: ClassVar[Any]  # of comparisons, with ``load`` and ``save``
+    module: ClassVar[ModuleType]  # of comparisons, with ``load`` and ``save``
     results: Any
     folder: Path | None = None
     processes: int | None = None
@@ -89,7 +90,7 @@ class Comparison(Trials):
     """
 
     suffixes: ClassVar = (".json", ".csv")
-    module: ClassVar = campaign
+    module: ClassVar[ModuleType] = campaign
     results: CampaignResults
 
     def store(self, folder: Path) -> None:
@@ -235,7 +236,7 @@ class Benchmark(Trials):
     ``to_pandas`` has a row for every point and quantity.
     """
 
-    module: ClassVar = work_precision
+    module: ClassVar[ModuleType] = work_precision
     results: Bench
 
     def printout(self) -> Printout:
@@ -274,7 +275,7 @@ class Benchmark(Trials):
 class StabilityMaps(Trials):
     """Which conditions each engine stands, and whether the checks detect where it fails; or cells alone."""
 
-    module: ClassVar = stress_test
+    module: ClassVar[ModuleType] = stress_test
     results: Stress
     are_cells: bool = False
 
@@ -315,17 +316,12 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
     Of ``changes`` since results were recorded those that fail count. It is 3 for a fault of linkproof, 1 for a failure.
     Raises LinkproofError if no record is judged.
     """
-    naive, others = set[Verdict](), set[Verdict]()
-    reasons: Counter[tuple[str, str]] = Counter()
-    for record in records:
-        verdict = Verdict(record.outcome)
-        (naive if record.setting == Setting.NAIVE else others).add(verdict)
-        if not verdict.judged:
-            reasons[record.outcome, record.detail] += 1
-    decisive = others or naive
-    is_ours = Verdict.SUITE_ERROR in naive | others
-    has_failed = any(entry.failed for entry in decisive) or any(entry.fails for entry in changes)
-    return _exit_code(is_ours, has_failed, any(entry.judged for entry in decisive), reasons)
+    every = list(records)
+    decisive = {Verdict(record.outcome) for record in deciding(every)}
+    is_ours = any(record.outcome == Verdict.SUITE_ERROR for record in every)
+    has_failed = any(verdict.failed for verdict in decisive) or any(entry.fails for entry in changes)
+    reasons = Counter((record.outcome, record.detail) for record in every if not Verdict(record.outcome).judged)
+    return _exit_code(is_ours, has_failed, any(verdict.judged for verdict in decisive), reasons)
 
 
 def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
