@@ -104,7 +104,7 @@ def new(
 def check(mechanism: Mechanism, variant: Variant = None, *, strict: Strict = False) -> "Check":
     """Review a linkage: mobility, groups, range, links, errors.
 
-    The review also has the range of the crank, transmission angles, toggles, Jeq and the stroke.
+    The review also has transmission angles, toggles, Jeq and the stroke.
 
     MECHANISM is the path of a .toml file or a name in the catalogue.
 
