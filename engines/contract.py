@@ -105,9 +105,8 @@ class Run:
     """The result of a run: an outcome with its reason, and the history if it finished.
 
     ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
-    every time step taken, over all passes of an extrapolation. ``solver_work`` counts what the constraint solver did
-    in them, in the engine's own unit (``StudiedEngine.work_unit``); 0 if the engine does not report it. ``passes`` are
-    the longest steps, s, of the runs that the history is made of. ``details`` states the settings actually used.
+    every time step taken, over all passes of an extrapolation. ``passes`` are the longest steps, s, of the runs that
+    the history is made of. ``details`` states the settings actually used.
     """
 
     outcome: Outcome
@@ -116,7 +115,6 @@ class Run:
     seconds: float = 0.0
     setup_seconds: float = 0.0
     steps: int = 0
-    solver_work: int = 0
     passes: tuple[float, ...] = ()
     details: Mapping[str, str | int | float] = field(default_factory=dict)
 
@@ -189,8 +187,6 @@ class Engine(Protocol):
 @runtime_checkable
 class StudiedEngine(Engine, Protocol):
     """An engine whose ways of stepping can be studied one by one."""
-
-    work_unit: str  # what Run.solver_work counts, in the plural: "Newton iterations"
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         """The ways of stepping that can be studied on a scene's kind of drive: integrators × runs × solver effort.

@@ -30,6 +30,9 @@ class Channel(StrEnum):
     JOINT_FORCE = "joint_force"
 
 
+LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)  # of bodies, each the rate of the one before
+
+
 @dataclass(frozen=True)
 class Body:
     """A moving rigid body in its start state; ``inertia`` is None where it cannot turn.

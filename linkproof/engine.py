@@ -1,4 +1,4 @@
-"""The contract between linkproof and an engine: every name that an adapter needs, and its conformance test."""
+"""The contract between linkproof and an engine: every name that an adapter needs."""
 # ruff: noqa: E402, I001  - strangers are refused first; a line of its own for every name would be two pages
 
 import linkproof
@@ -6,7 +6,6 @@ import linkproof
 linkproof.refuse_strangers()
 
 from analytic.description.linkage import DriverKind
-from comparisons.trials.conformance.conformance import parametrize_engine_checks
 from engines.contract import (
     Abilities, Engine, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal, StudiedEngine,
 )  # fmt: skip
@@ -22,6 +21,5 @@ __all__ = [
     "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "CoulombFriction", "Course", "Cylinder",
     "DivergedError", "DriverKind", "Engine", "Free", "History", "LoopEngine", "Method", "Origin", "Outcome", "PinJoint",
     "PointSpring", "Prescribed", "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint",
-    "SteppedEngine", "StudiedEngine", "Travel", "TurnDamper", "TurnSpring", "UnsupportedError",
-    "parametrize_engine_checks", "plain_law",
+    "SteppedEngine", "StudiedEngine", "Travel", "TurnDamper", "TurnSpring", "UnsupportedError", "plain_law",
 ]  # fmt: skip

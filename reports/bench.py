@@ -102,21 +102,10 @@ def noise_note(bench: Bench) -> str:
     return sentence("machine_noise", noise=bench.noise, repeats=bench.document["extent"]["repeats"])
 
 
-def engine_label(name: str, is_control: bool) -> str:
-    """An engine's name for a reader; the reference's control is marked."""
-    return f"{name} (control)" if is_control else name
-
-
-def label_of(points: DataFrame) -> str:
-    """The label of the one engine that all these rows are of; raises IndexError without rows."""
-    first = points.iloc[0]
-    return engine_label(first.engine, first.is_control)
-
-
 def engine_labels(bench: Bench) -> dict[str, str]:
     """The labels of all engines of a benchmark, by name, the control last."""
-    controls = {record.engine: record.is_control for record in bench.points}
-    return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda own: (controls[own], own))}
+    known = bench.table.sort_values(["is_control", "engine"])
+    return dict(zip(known.engine, known.label, strict=True))
 
 
 def judged_by(regimes: Regimes) -> str:
@@ -173,7 +162,7 @@ def _place_printout(place: DataFrame, quantity: str) -> Iterator[Printed]:
         yield from (table, "")
     for points in engines(place, quantity):
         for reason in failed_methods(points):
-            yield Paragraph(f"{label_of(points)} {reason}", colour="yellow")
+            yield Paragraph(f"{points.label.iloc[0]} {reason}", colour="yellow")
     if is_measured:
         yield ""
 
@@ -187,7 +176,7 @@ def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str]
     methods = [_method_row(sweep, about) for points in groups for sweep in sweeps(points)]
     ways = [row for points in groups if points.finished.any() for row in _choice_rows(points)]
     settings = [
-        (label_of(points), row.setting, error(row.error_max), seconds(row.total_seconds), overhead_words(row))
+        (points.label.iloc[0], row.setting, error(row.error_max), seconds(row.total_seconds), overhead_words(row))
         for points in groups
         for row in rows(points[points.finished & (points.kind == SETTING)])
     ]
@@ -203,18 +192,19 @@ def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple
     best = least(sweep)
     name = TableCell(method_words(best), note=about.get((best.engine, best.setting), ""))
     order = ABSENT if best.order is None else f"{best.order:.1f}"
-    return label_of(sweep), name, order, error(best.error_max), per_turn(best), seconds(best.total_seconds)
+    return best.label, name, order, error(best.error_max), per_turn(best), seconds(best.total_seconds)
 
 
 def _choice_rows(points: DataFrame) -> Iterator[tuple[str, ...]]:
     """Yield the rows of an engine's cheapest way to each wanted error; errors that one point serves share a row."""
+    label, least_error = points.label.iloc[0], points.error_max[points.finished].min()
     for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
         errors = [bound(error) for _, error in part]
         span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
         if record:
-            yield label_of(points), span, seconds(record.total_seconds), way_words(record)
+            yield label, span, seconds(record.total_seconds), way_words(record)
         else:
-            yield label_of(points), span, ABSENT, f"not reached; least {error(points.error_max[points.finished].min())}"
+            yield label, span, ABSENT, f"not reached; least {error(least_error)}"
 
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
@@ -298,14 +288,14 @@ def choices_section(regimes: Regimes, bench: Bench) -> Section:
         for name, places in regimes.items()
         for place in places
     ]
-    words = (Paragraph(sentence("bench_places", judged=judged)), *folds, Paragraph(noise_note(bench), "small"))
-    return Section("use", "What to use for an error", (whole, *slowed, *words))
+    reading, note = Paragraph(sentence("bench_places", judged=judged)), Paragraph(noise_note(bench), "small")
+    return Section("use", "What to use for an error", (whole, *slowed, reading, *folds, note))
 
 
 def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
     """Yield a row per regime and engine, a cell for each wanted error; neighbouring cells that are equal are joined."""
     for name, group in groups.items():
-        by_engine = grouped((label_of(points), points) for place in group for points in engines(place))
+        by_engine = grouped((points.label.iloc[0], points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
             each = (_times_cell(mine, ways) for ways in zip(*map(choices, mine), strict=True))
             cells = [(cell, len(list(same))) for cell, same in groupby(each)]
@@ -327,9 +317,9 @@ def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> Tab
 
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 # What the points of a sweep share, and what each has of its own: cost, s, steps and work.
-SHARED = ("engine", "engine_version", "kind", "setting", "runs", "work_unit")
+SHARED = ("engine", "engine_version", "kind", "setting", "runs")
 OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps",
-       "solver_work", "used")  # fmt: skip
+       "used")  # fmt: skip
 
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
@@ -350,47 +340,40 @@ def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
 def place_data(place: DataFrame) -> dict[str, Any]:
     """Sweeps and settings of one mechanism and regime for the diagram, JSON-ready.
 
-    A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first. A sweep's
-    ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the
-    largest as drawn, the largest and the root mean square.
+    A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first.
     """
-    names = sorted(quantities(place), key=lambda name: name != foremost(place))
-    known: dict[tuple[object, ...], dict[str, Any]] = {}
-    peaks = {}
-    for points in (points for name in names for points in engines(place, name)):
-        for record in rows(points[points.finished]):
-            point = _point_as_dict(known.setdefault(_sweep_key(record), _shared_facts(record)), record)
-            errors = (drawn_error(record), record.error_max, record.error_rms)
-            point["errors"][record.quantity] = [*map(_digits, errors)]
-            peaks[record.quantity] = [record.unit, _digits(record.peak)]
-        for sweep in sweeps(points):
-            first = sweep.iloc[0]
-            known[_sweep_key(first)]["ends"][first.quantity] = [least_words(sweep), _digits(first.order)]
-    tables = [{**sweep, "points": list(sweep["points"].values())} for sweep in known.values()]
-    return {"quantities": [[name, plain(name), *peaks[name]] for name in names], "sweeps": tables}
-
-
-def _sweep_key(record: Row) -> tuple[object, ...]:
-    """The engine, kind and setting of a point, which all points of a sweep share."""
-    return (record.engine, record.kind, record.setting)
-
-
-def _shared_facts(record: Row) -> dict[str, Any]:
-    """The facts that all points of a sweep share, JSON-ready, with ``ends`` and ``points`` still empty."""
+    done, names = place[place.finished], sorted(quantities(place), key=lambda name: name != foremost(place))
+    peaks = {record.quantity: [record.unit, _digits(record.peak)] for record in rows(done)}
+    sweeps_of = done.groupby(["engine", "kind", "setting"], sort=False)
     return {
-        **{name: getattr(record, name) for name in SHARED},
-        "way": method_words(record),
-        "solver": effort_words(record.effort, record.effort_unit),
-        "ends": {},
-        "points": {},
+        "quantities": [[name, plain(name), *peaks[name]] for name in names],
+        "sweeps": [_sweep_data(sweep) for _, sweep in sweeps_of],
     }
 
 
-def _point_as_dict(sweep: dict[str, Any], record: Row) -> dict[str, Any]:
-    """The entry of a point in its sweep's data, created there if it is new."""
-    words = {name: _digits(getattr(record, name)) for name in OWN}
-    table: dict[str, Any] = sweep["points"].setdefault(record.step, {**words, "errors": {}})
-    return table
+def _sweep_data(sweep: DataFrame) -> dict[str, Any]:
+    """A method's points, or a setting's one, for the diagram, JSON-ready.
+
+    ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the
+    largest as drawn, the largest and the root mean square.
+    """
+    first, points = sweep.iloc[0], [rows(point) for _, point in sweep.groupby("key", sort=False)]
+    return {
+        **{name: first[name] for name in SHARED},
+        "way": method_words(first),
+        "solver": effort_words(first.effort, first.effort_unit),
+        "ends": {each.quantity.iloc[0]: [least_words(each), _digits(each.order.iloc[0])] for each in sweeps(sweep)},
+        "points": [
+            {
+                **{name: _digits(getattr(point[0], name)) for name in OWN},
+                "errors": {
+                    each.quantity: [_digits(drawn_error(each)), _digits(each.error_max), _digits(each.error_rms)]
+                    for each in point
+                },
+            }
+            for point in points
+        ],
+    }
 
 
 def _digits(value: object) -> object:
@@ -428,7 +411,7 @@ def cost(bench: Bench) -> tuple[Paragraph, ...]:
 def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
     """Each reason for runs without a result, once, with the places among ``every`` where it occurred."""
     groups = grouped(
-        (f"{label_of(points)}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
+        (f"{points.label.iloc[0]}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
         for place in every
         for points in engines(place)
         for reason in failed_methods(points)

@@ -17,11 +17,11 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.description.written import change
 from comparisons.trials.campaign.results import CampaignResults
-from comparisons.trials.conformance.mutants import MUTANT
+from comparisons.trials.conformance.slips import MUTANT
 from comparisons.trials.conformance.trial import CheckResult, Finding
 from comparisons.trials.judging.changes import CLOSED_FORM, Change, ChangeKind
 from comparisons.trials.judging.limits import LimitTable, grouped
-from comparisons.trials.judging.quantities import LINEAR_TITLES, QUANTITIES, near_jumps
+from comparisons.trials.judging.quantities import QUANTITIES, near_jumps
 from comparisons.trials.judging.records import CONTROL, IMPORTED, Error, Verdict
 from engines.contract import Origin, Setting
 from reports.document.numbers import ABSENT, bound, error
@@ -101,7 +101,8 @@ class View:
 
     def title(self, quantity: str) -> str:
         """The title of a quantity or an invariant, with its symbol."""
-        words = LINEAR_TITLES.get(quantity, "") if self.linkage.is_linear else ""
+        known = QUANTITIES.get(quantity) if self.linkage.is_linear else None
+        words = known.linear_title if known else ""
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
         return " ".join(filter(None, (symbol, words or title(quantity))))
 

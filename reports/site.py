@@ -15,8 +15,7 @@ from comparisons.designer.building import page_sheet
 from comparisons.designer.sheet import Sheet
 from comparisons.trials.campaign import results as campaign
 from comparisons.trials.campaign.campaign import sheets as campaign_sheets
-from comparisons.trials.campaign.results import CampaignResults
-from comparisons.trials.campaign.saved_linkages import load_cases
+from comparisons.trials.campaign.results import CampaignResults, load_cases
 from comparisons.trials.runs.files import claim, write_file
 from comparisons.trials.runs.run_engine import Lost
 from comparisons.trials.runs.store import has_study

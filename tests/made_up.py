@@ -171,8 +171,6 @@ def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
         "setup_seconds": 1e-3,
         "readout_seconds": 2e-3,
         "steps": 700,
-        "solver_work": 2100,
-        "work_unit": "iterations",
         "outcome": "finished",
         "detail": "",
         "used": "",

@@ -115,7 +115,7 @@ def read(name: str | Path) -> LinkageFile:
     """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
     path = find(str(name))
     try:
-        text = read_file(path, "a linkage file").decode("utf-8-sig").replace("\r\n", "\n")  # one text, one checksum
+        text = read_file(path, "a linkage file").decode("utf-8-sig").replace("\r\n", "\n")  # one text everywhere
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise DescriptionError(

@@ -27,13 +27,12 @@ from analytic.dynamics.reduced import damping_coefficient, generalised_force, ha
 from analytic.dynamics.released import FreeMotion, free_motion
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dead_centres import top_of_turn
-from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.arrays import Array
 from analytic.numerics.refine import highest
 from analytic.signals import LinkageInMotion
-from engines.scene import Body, Channel, Drive, Free, Prescribed, Scene, build_scene
+from engines.scene import LEVELS, Body, Channel, Drive, Free, Prescribed, Scene, build_scene
 
 INSTANTS: Final = 2001  # at which a motion is looked at as a whole
 
@@ -119,25 +118,29 @@ def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Bo
 
 def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
     """One link as a body in its state, for a crank speed, rad/s, and acceleration, rad/s²."""
-    first, second = sweep.rates(name)[2], sweep.accelerations(name)[2]
-    position, velocity, bend = (sweep.centre(name, order) for order in range(3))
-
-    def moved(scale: float, vector: Pair, other: float = 0.0, also: Pair = (0.0, 0.0)) -> tuple[float, float]:
-        """The plane vector ``scale`` · ``vector`` + ``other`` · ``also``."""
-        return (float(scale * vector[0] + other * also[0]), float(scale * vector[1] + other * also[1]))
-
+    motion = (body_motion(sweep, name, order, speed, acceleration) for order in range(3))
+    (x, y, angle), (vx, vy, turning), (ax, ay, change) = ((values + 0.0).tolist() for values in motion)  # no zero is -0
     link = sweep.linkage.links[name]
-    return Body(
-        name,
-        link.mass,
-        link.inertia,
-        position=moved(1.0, position),
-        angle=float(sweep.angles(name)),
-        velocity=moved(speed, velocity),
-        angular_velocity=float(speed * first),
-        acceleration=moved(speed * speed, bend, acceleration, velocity),
-        angular_acceleration=float(speed * speed * second + acceleration * first),
-    )
+    return Body(name, link.mass, link.inertia, (x, y), angle, (vx, vy), turning, (ax, ay), change)
+
+
+def body_motion(sweep: Sweep, name: str, order: int, speed: ArrayLike, acceleration: ArrayLike) -> Array:
+    """Place of the mass centre and angle of a link, m and rad, or a derivative of them by time, SI, (..., 3).
+
+    Of order 1 and 2 for a crank speed, rad/s, and acceleration, rad/s², each of the sweep's shape or scalar.
+    """
+
+    def over_angle(k: int) -> Array:
+        """The derivative of order ``k`` over φ."""
+        turned = (sweep.rates, sweep.accelerations)[k - 1](name)[2] if k else sweep.angles(name)
+        return np.stack(np.broadcast_arrays(*sweep.centre(name, k), turned, sweep.angle)[:3], axis=-1)
+
+    if order == 0:
+        return over_angle(0)
+    rate = np.asarray(speed)[..., None]
+    if order == 1:
+        return np.asarray(over_angle(1) * rate)
+    return np.asarray(over_angle(2) * rate**2 + over_angle(1) * np.asarray(acceleration)[..., None])
 
 
 def scene(
@@ -416,11 +419,4 @@ def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array
         return at.torque
     if channel is Channel.JOINT_FORCE:
         return np.asarray(at.joint_forces[part].T)
-    sweep, speed, acceleration = at.sweep, at.speed, at.acceleration
-    if channel is Channel.POSITION:
-        return np.column_stack(np.broadcast_arrays(*sweep.centre(part), sweep.angles(part), speed)[:3])
-    first = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 1), sweep.rates(part)[2], speed)[:3])
-    if channel is Channel.VELOCITY:
-        return np.asarray(first * speed[:, None])
-    second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
-    return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])
+    return body_motion(at.sweep, part, LEVELS.index(channel), at.speed, at.acceleration)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import cast
 
 import numpy as np
 
@@ -13,12 +12,12 @@ from comparisons.motion.case import Case
 from comparisons.trials.judging.limits import grouped
 from comparisons.trials.judging.signal_errors import ANGLE, NUMBER, SignalError, signal_errors
 from comparisons.trials.runs.run_engine import blamed_on
-from engines.contract import Engine, History, Setting
+from engines.contract import History, Setting
 from engines.exported_script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Scene
 from engines.stepping.intervals import UnsupportedError
-from engines.stepping.stepped_engine import LoopEngine, Recipe
+from engines.stepping.stepped_engine import LoopEngine
 
 UNITS = {
     Channel.POSITION: ("m", "rad"),
@@ -34,43 +33,23 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
 
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
-    adapter, scene = _exportable_adapter(engine_name), case.scene(frozenset(Channel))
-    return _script(
-        adapter, scene, case, _recipe_of_setting(adapter, scene, setting), f"setting {setting}. Written by: {command}"
-    )
-
-
-def _exportable_adapter(engine_name: str) -> LoopEngine[Recipe]:
-    """The adapter of an installed engine with a loop of its own; raises LinkproofError for any other."""
-    adapter = engine(engine_name)
+    adapter, scene, linkage = engine(engine_name), case.scene(frozenset(Channel)), case.mechanism.linkage
     reason = why_unavailable(adapter)
-    if reason is None and isinstance(adapter, LoopEngine):
-        return adapter
-    raise LinkproofError(
-        reason
-        or f"expected an engine whose loop is a module of its own (a LoopEngine), got '{engine_name}': export another"
-    )
-
-
-def _recipe_of_setting(adapter: LoopEngine[Recipe], scene: Scene, setting: Setting) -> Recipe:
-    """The engine's recipe for a setting under the scene's drive; raises LinkproofError if the engine lacks it."""
+    if reason is not None or not isinstance(adapter, LoopEngine):
+        words = "expected an engine whose loop is a module of its own (a LoopEngine)"
+        raise LinkproofError(reason or f"{words}, got '{engine_name}': export another")
     recipes = adapter.settings.get(type(scene.drive), {})
     if setting not in recipes:
         offered = ", ".join(recipes) or "none"
-        raise LinkproofError(f"expected a setting that {adapter.name} has for this drive ({offered}), got '{setting}'")
-    return recipes[setting]
-
-
-def _script(adapter: LoopEngine[Recipe], scene: Scene, case: Case, recipe: Recipe, origin: str) -> str:
-    """The script of one run; ``origin`` says how it was made. Raises LinkproofError where it cannot be exported."""
-    linkage = case.mechanism.linkage
-    about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {origin}"
-    with blamed_on(cast(Engine, adapter)):
+        raise LinkproofError(f"expected a setting that {engine_name} has for this drive ({offered}), got '{setting}'")
+    run = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {engine_name} {adapter.version()}"
+    about = f"{run}, setting {setting}. Written by: {command}"
+    with blamed_on(adapter):
         try:
-            return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
+            return script(adapter, scene, recipes[setting], about, lambda history: worst_figures(case, scene, history))
         except UnsupportedError as error:
-            reason = str(error)
-    raise LinkproofError(f"this run of {adapter.name} cannot be exported: {reason}")
+            fault = str(error)
+    raise LinkproofError(f"this run of {engine_name} cannot be exported: {fault}")
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:

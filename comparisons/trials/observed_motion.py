@@ -25,7 +25,7 @@ from engines.mechanics.states import (
     pose_of,
     with_ground,
 )
-from engines.scene import Channel, Free, Scene
+from engines.scene import LEVELS, Channel, Free, Scene
 
 DENSE = 48  # samples of a turn that can be read between
 
@@ -123,9 +123,8 @@ class ObservedMotion:
         """φ, rad or m, or its speed or acceleration, by the channel, at times (n,), s, as the engine has it."""
         signal = self.signal(channel)
         if self.is_linear:
-            levels = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
-            order = levels.index(channel)
-            motion = (self.bodies(level, time) for level in levels[: order + 1])
+            order = LEVELS.index(channel)
+            motion = (self.bodies(level, time) for level in LEVELS[: order + 1])
             return np.asarray(driven(self.scene, *motion)[order], dtype=float)
         column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
         return resample_piecewise(column, time, self.jumps)

@@ -292,7 +292,6 @@ class DirectEngine:
     """Constrained planar bodies in descriptor form."""
 
     name = "direct"
-    work_unit = "linear solves"
     is_control = True
     abilities = Abilities(
         readouts={
@@ -345,7 +344,7 @@ def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
 def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
     """Build the equations and solve the motion; samples every ``spacing`` s, or as the adapter chooses if None.
 
-    Times and work go into ``cost``. Raises UnsupportedError or DivergedError with the reason.
+    Times and steps go into ``cost``. Raises UnsupportedError or DivergedError with the reason.
     """
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
@@ -355,11 +354,8 @@ def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
         if reason is not None:
             raise DivergedError(reason)
         equations = _checked_equations(scene)
-    try:
-        with cost.timing("seconds"), np.errstate(all="ignore"):  # numbers that are not finite are named later
-            history, cost.steps = integrate_motion(equations, spacing)
-    finally:
-        cost.solver_work = equations.solves
+    with cost.timing("seconds"), np.errstate(all="ignore"):  # numbers that are not finite are named later
+        history, cost.steps = integrate_motion(equations, spacing)
     return history
 
 

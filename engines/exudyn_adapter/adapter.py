@@ -400,7 +400,6 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     loop = "engines.exudyn_adapter.loop"
     engine_calls = ("exudyn.MainSolverImplicitSecondOrder.SolveSystem", "exudyn.MainSystem.SolveStatic")
     oldest = "1.13.6"  # has newton.residualMode
-    work_unit = "Newton iterations"
     effort_unit = EFFORT_UNIT
     abilities: ClassVar[Abilities] = Abilities(
         readouts=READOUTS,

@@ -285,10 +285,7 @@ def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None
 
 
 def solve(world: ExudynWorld, part: Data, course: Data) -> None:
-    """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number.
-
-    Adds Newton's steps to the course's ``solver_work``.
-    """
+    """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number."""
     mbs, solver, duration = world.mbs, exudyn.MainSolverImplicitSecondOrder(), part["end"] - part["start"]
     times = {"timeIntegration.endTime": duration, "timeIntegration.numberOfSteps": part["samples"] * course["ratio"]}
     times["solution.sensors.writePeriod"] = duration / part["samples"]
@@ -297,8 +294,6 @@ def solve(world: ExudynWorld, part: Data, course: Data) -> None:
         reason = solver.GetErrorString()
     except exudyn.ExudynError as error:
         finished, reason = False, str(error).partition("\n")[0]
-    finally:
-        course["solver_work"] += solver.it.newtonStepsCount
     if not finished:
         raise ArithmeticError(f"exudyn stopped at {world.begin + mbs.systemData.GetTime():.4g} s: {reason}")
     if not all(map(math.isfinite, mbs.systemData.GetODE2Coordinates_t())):

@@ -268,7 +268,6 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
     loop = "engines.pymunk_adapter.loop"
     engine_calls = ("pymunk.Space.step",)
     oldest = "7.0"
-    work_unit = "constraint visits"
     effort_unit = "iterations"
     abilities = Abilities(
         readouts={

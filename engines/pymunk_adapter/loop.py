@@ -241,7 +241,7 @@ def build(model: Data) -> PymunkWorld:
 def follow(world: PymunkWorld, course: Data) -> Data:
     """Step through the one part of a course and return its samples.
 
-    Adds to the course's ``details`` and ``solver_work``.
+    Adds to the course's ``details``.
     """
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
@@ -262,7 +262,6 @@ def follow(world: PymunkWorld, course: Data) -> Data:
     seen, impulses, counts = take_steps(world, step, rates, stops, [*read.values()])
     fewest, most = min(counts), max(counts)
     course["details"]["iterations"] = most if fewest == most else f"{fewest} to {most}"
-    course["solver_work"] += ratio * sum(counts) * len(world.constraints)
     forces = {name: (step * loaded, values) for name, values in zip(read, impulses.T / step, strict=True)}
     result: Data = {}
     if MOTOR in forces:

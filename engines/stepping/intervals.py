@@ -41,7 +41,6 @@ class Cost:
     seconds: float = 0.0
     setup_seconds: float = 0.0
     steps: int = 0
-    solver_work: int = 0
     passes: tuple[float, ...] = ()
     details: dict[str, str | int | float] = field(default_factory=dict)
 

@@ -102,7 +102,7 @@ R = TypeVar("R", bound=Recipe)
 class Course(Generic[R]):
     """One requested pass: the ``parts`` of the motion in ``ratio`` steps to a sample, recording ``channels``.
 
-    ``cost`` takes what the constraint solver does (``solver_work``) and steps beside the regular ones.
+    ``cost`` takes steps beside the regular ones and ``details`` of what the solver did.
     """
 
     recipe: R
@@ -128,7 +128,6 @@ class SteppedEngine(ABC, Generic[World, R]):
     package: ClassVar[str]
     distribution: ClassVar[str] = ""
     oldest: ClassVar[str] = ""
-    work_unit: ClassVar[str] = ""
     effort_unit: ClassVar[str] = ""
     abilities: ClassVar[Abilities]
     settings: Mapping[type, Mapping[Setting, R]]
@@ -275,8 +274,8 @@ class SteppedEngine(ABC, Generic[World, R]):
 # * ``follow(world, course)``: one pass through it; returns times and values by channel, forces by joint under
 #   ``"joint_force"``, as :class:`engines.contract.History` has them.
 #
-# A course has ``parts``, the steps ``ratio`` to a sample, the ``channels`` to record, and ``details`` and
-# ``solver_work`` for what a loop reports. A part has ``start``, ``end``, ``samples``, ``after_jump`` and its
+# A course has ``parts``, the steps ``ratio`` to a sample, the ``channels`` to record, and ``details``
+# for what a loop reports. A part has ``start``, ``end``, ``samples``, ``after_jump`` and its
 # ``segment`` of the motion: when that starts and the polynomial of the driver's coordinate from then on, lowest power
 # first; None for a free driver.
 
@@ -313,7 +312,6 @@ class LoopEngine(SteppedEngine[Any, R]):
         except ArithmeticError as error:
             raise _run_error(error, DivergedError) from error
         finally:
-            course.cost.solver_work += given["solver_work"]
             course.cost.details.update(given["details"])
         forces = {name: _read_signal(pair) for name, pair in samples.pop(Channel.JOINT_FORCE.value, {}).items()}
         return History(**{name: _read_signal(pair) for name, pair in samples.items()}, joint_force=forces)
@@ -331,7 +329,7 @@ def _read_signal(pair: tuple[Any, Any]) -> Signal:
 
 
 def plain_course(course: Course[Any]) -> dict[str, Any]:
-    """A course as the dictionary that loops take, with ``details`` and ``solver_work`` for them to fill in."""
+    """A course as the dictionary that loops take, with ``details`` for them to fill in."""
     parts = [
         {
             "start": part.start,
@@ -343,7 +341,7 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
         for part in course.parts
     ]
     channels = [channel for channel in Channel if channel in course.channels]
-    given = {"ratio": course.ratio, "channels": channels, "parts": parts, "details": {}, "solver_work": 0}
+    given = {"ratio": course.ratio, "channels": channels, "parts": parts, "details": {}}
     return dict(plain(given))
 
 

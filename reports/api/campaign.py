@@ -25,8 +25,7 @@ from comparisons.trials.campaign.standard import changes_since, closed_form
 from comparisons.trials.exported_run import exported
 from comparisons.trials.judging.changes import Change, read_rows
 from comparisons.trials.judging.limits import LimitTable, check_named, read_limits, shipped_limits
-from comparisons.trials.judging.quantities import QUANTITIES as COMPARED
-from comparisons.trials.judging.quantities import check_defined
+from comparisons.trials.judging.quantities import QUANTITIES, check_defined
 from comparisons.trials.judging.records import Error
 from comparisons.trials.runs.cluster import DaskPool
 from comparisons.trials.runs.environment import INCIDENTAL, environment
@@ -35,11 +34,10 @@ from comparisons.trials.runs.plugins import engines as adapters
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, GIB, RunBounds
 from comparisons.trials.runs.store import Runs, begin
 from comparisons.trials.runs.workers import LocalPool, most_processes
-from comparisons.trials.stress.campaign import Stress, make_cells
+from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.campaign import stress as make_maps
 from comparisons.trials.stress.cells import cells, chosen_axes, find_cell
-from comparisons.trials.work_precision.measure import JOINTS, chosen_families
-from comparisons.trials.work_precision.study import FULL, QUANTITIES, QUICK, BenchRequest
+from comparisons.trials.work_precision.study import FULL, JOINTS, QUICK, USUAL_QUANTITIES, BenchRequest, chosen_families
 from comparisons.trials.work_precision.study import bench as measure_all
 from comparisons.trials.work_precision.table import Bench
 from engines.contract import Setting
@@ -389,10 +387,10 @@ def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[st
 
     It does so for an unknown one and for a case that has none of them.
     """
-    quantities = tuple(dict.fromkeys(map(symbol, named))) or QUANTITIES
+    quantities = tuple(dict.fromkeys(map(symbol, named))) or USUAL_QUANTITIES
     for name in quantities:
-        if name not in (*COMPARED, JOINTS):
-            raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
+        if name not in (*QUANTITIES, JOINTS):
+            raise UnknownNameError("quantity", name, (*QUANTITIES, JOINTS))
     for case in cases:
         groups = chosen_families(case, quantities)
         if not groups:
@@ -428,8 +426,8 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> St
         if given["out"] is not None:
             raise LinkproofError("--out takes whole maps: name axes, or leave it out")
         with closing(worker_pool(bounds)) as pool:
-            made = make_cells([find_cell(name) for name in named], pool)
-        return StabilityMaps(Stress({"command": command, "environment": {}, "quick": False}, made), are_cells=True)
+            made = make_maps([find_cell(name) for name in named], command, narrow=False, pool=pool)
+        return StabilityMaps(made, are_cells=True)
     axes, engines = chosen_axes(words), requested_engines(given["engine"])
     chosen = cells(axes, engines, given["setting"], quick=quick)
 

@@ -203,7 +203,7 @@ def bench(
     kept: Benchmark | None = own_study(bench, locals(), "Benchmark")
     if kept is not None:
         return kept
-    start_workers("comparisons.trials.work_precision.measure")
+    start_workers("comparisons.trials.work_precision.study")
     from reports.api.campaign import benchmark, chosen_linkages
     from reports.api.linkages import word_of
 

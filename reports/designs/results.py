@@ -140,7 +140,7 @@ class Results(Study):
 
     def write(self, folder: str | Path) -> Path:
         """Save the case among those of a report's folder and write all its pages; returns the linkage's page."""
-        from comparisons.trials.campaign.saved_linkages import save_case  # noqa: PLC0415 - figures cost a second
+        from comparisons.trials.campaign.results import save_case  # noqa: PLC0415 - figures cost a second
         from comparisons.trials.runs.files import claim  # noqa: PLC0415
         from reports.mechanism.page import file_of  # noqa: PLC0415
         from reports.site import write_site  # noqa: PLC0415

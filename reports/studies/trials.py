@@ -23,7 +23,7 @@ from comparisons.trials.stress import campaign as stress_test
 from comparisons.trials.stress.campaign import Stress
 from comparisons.trials.stress.cells import StressVerdict
 from comparisons.trials.work_precision import table as work_precision
-from comparisons.trials.work_precision.study import OUT_OF_TIME, QUANTITIES
+from comparisons.trials.work_precision.study import OUT_OF_TIME, USUAL_QUANTITIES
 from comparisons.trials.work_precision.table import Bench
 from engines.contract import Outcome
 from reports import FAILED, PASSED, SUITE_ERROR
@@ -242,7 +242,7 @@ class Benchmark(Trials):
     def printout(self) -> Printout:
         """The printed benchmark: the fronts of each quantity, and the cheapest ways to an error."""
         named = tuple(self.results.document["quantities"])
-        return bench_words.printout(self.results, () if named == QUANTITIES else named)
+        return bench_words.printout(self.results, () if named == USUAL_QUANTITIES else named)
 
     def sentence(self) -> Printed:
         """A sentence on how much was measured."""

@@ -7,8 +7,6 @@ from engines.scene import Channel
 class Scripted:
     """``act`` gives the run of a scene and a setting, or of a scene, a method and a step, s."""
 
-    work_unit = "steps"
-
     def __init__(self, act, *, name="scripted", version="1.0", channels=tuple(Channel), methods=(), is_control=False):
         self.act, self.name, self.is_control = act, name, is_control
         self._version, self._methods = version, methods

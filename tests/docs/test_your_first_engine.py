@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from comparisons.trials.conformance.conformance import CHECKS
-from comparisons.trials.conformance.mutants import MUTANT
+from comparisons.trials.conformance.slips import MUTANT
 from comparisons.trials.conformance.trial import EngineTrial, NotTestedError
 from tests.comparisons.faults import announce
 from tests.comparisons.trials.conformance.wrong_engines import WRONG

@@ -12,13 +12,12 @@ from analytic.description.law import Law
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.filejudge.hypotheses import of_model, of_motion
 from comparisons.filejudge.simulation import ChangedMotion, Simulation
-from comparisons.trials.conformance.misreadings import misread
-from comparisons.trials.conformance.mutants import Mutant, extrapolated, in_world
+from comparisons.trials.conformance.slips import Mutant, extrapolated, in_world, misread
 from comparisons.trials.conformance.trial import PLAIN, EngineTrial, NotTestedError, case, scene_of
-from comparisons.trials.judging.signal_errors import LEVELS, readings
+from comparisons.trials.judging.signal_errors import readings
 from engines.contract import Setting
 from engines.registry import own_names
-from engines.scene import Channel
+from engines.scene import LEVELS, Channel
 from tests.comparisons.trials.conformance.wrong_engines import AlterableEngine
 from tests.engines.closed_form import installed
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Final
 
 from analytic.description.crank_motion import CrankMotion
@@ -29,8 +30,7 @@ from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.run_engine import DEFAULT_BOUNDS, Failure, Lost, RunBounds, blamed_on, run_engine
 from comparisons.trials.runs.store import Curve, Runs
-from comparisons.trials.runs.tasks import Announce, Task, TaskList
-from comparisons.trials.runs.workers import LocalPool, Pool, usual_processes
+from comparisons.trials.runs.workers import Announce, LocalPool, Pool, Task, TaskList, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
@@ -105,17 +105,11 @@ def each_case(request: CampaignRequest) -> Iterator[Case]:
     for linkage in request.linkages:
         conditions = f"{request.conditions}{GRAVITY}{'on' if any(linkage.gravity) else 'off'}"
         mechanism = Mechanism(linkage)
-        for motion in request.motions:
-            yield _checked_case(Case(mechanism, motion, conditions=conditions))
-        for regime in linkage.regimes:
-            if regime.name in request.own_regimes:
-                yield _checked_case(case_of_file_regime(mechanism, regime))
-
-
-def _checked_case(case: Case) -> Case:
-    """The case itself; raises AssemblyError where its linkage cannot follow its motion."""
-    case.check_motion()
-    return case
+        cases = [Case(mechanism, motion, conditions=conditions) for motion in request.motions]
+        mine = (regime for regime in linkage.regimes if regime.name in request.own_regimes)
+        for case in chain(cases, (case_of_file_regime(mechanism, regime) for regime in mine)):
+            case.check_motion()
+            yield case
 
 
 def compare(
@@ -156,11 +150,6 @@ def lost(
     return _without_motion(run, chosen_quantities(case, names), failure.outcome, failure.reason)
 
 
-def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
-    """The channels that an engine has to record for these quantities and, if asked for, the invariants."""
-    return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
-
-
 def judged(
     pickled: bytes, engine_name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool
 ) -> RunRecord:
@@ -175,7 +164,7 @@ def judged(
     run = run_of(case, setting, engine_name, version or "")
     if absent is not None:
         return _without_motion(run, quantities, Outcome.UNAVAILABLE, absent)
-    model = case.scene(_channels(quantities, with_invariants))
+    model = case.scene(Channel if with_invariants else {channel for q in quantities for channel in q.channels})
     made = run_engine(adapter, model, setting)
     run = replace(
         run, seconds=made.seconds, setup_seconds=made.setup_seconds, steps=made.steps, runs=max(1, len(made.passes))

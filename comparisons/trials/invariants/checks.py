@@ -33,10 +33,11 @@ import numpy as np
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import ClosedGroup
 from analytic.numerics.arrays import Array
 from comparisons.motion.case import Case
-from comparisons.trials.invariants.corrections import LEVELS, speed_errors, undissipated_error
-from comparisons.trials.invariants.inspection import Inspection
+from comparisons.trials.invariants.inspection import TINY, AssurGroup, Inspection, speed_errors, undissipated_error
 from comparisons.trials.judging.limits import judge
 from comparisons.trials.judging.quantities import UNBOUNDED, near_jumps
 from comparisons.trials.judging.records import Error, Verdict
@@ -52,9 +53,7 @@ from comparisons.trials.observed_motion import (
 from engines.contract import History, Signal
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import start_coordinate, start_motion
-from engines.scene import Channel, Free, Prescribed, Scene
-
-TINY = float(np.finfo(float).tiny)
+from engines.scene import LEVELS, Channel, Free, Prescribed, Scene
 
 ROUNDING = 1e-9  # of the time of a turn
 MEAN_POINTS = 10  # of the polynomials through a force: at 6 its mean over a hundred samples is off by 1e-6
@@ -354,7 +353,7 @@ def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...
 
 def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Error]:
     """Yield the records of ``checks``, a record for each invariant that applies."""
-    inspection = Inspection(motion, change_points(case))
+    inspection = Inspection(motion, assur_groups(case.mechanism))
     weighs = steady_turn(motion) is not None and total_weight(motion) > 0.0
     for name, invariant in INVARIANTS.items():
         if invariant.of_forces and Channel.JOINT_FORCE not in motion.scene.channels:
@@ -388,14 +387,13 @@ def _is_switched(scene: Scene) -> bool:
     return any(law.when for law in (*(f.force for f in scene.forces), *(t.torque for t in scene.torques)))
 
 
-def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
-    """Crank angles of change points, rad in [0, 2π), by the links of the group: they follow from lengths alone."""
-    links = case.mechanism.linkage.links
-    groups = {}
-    for dyad in case.mechanism.structure.dyads:
-        if dyad.changes:
-            angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in dyad.changes.angles}
-            groups[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
+def assur_groups(mechanism: Mechanism) -> list[AssurGroup]:
+    """The Assur groups of a linkage, which follow from its joints, with change points, which do from lengths."""
+    groups, links = list[AssurGroup](), mechanism.linkage.links
+    for group in mechanism.structure.groups:
+        known = group.changes if isinstance(group, ClosedGroup) else None
+        angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in (known.angles if known else ())}
+        groups.append(AssurGroup(tuple(name for name in group.links if name in links), tuple(sorted(angles))))
     return groups
 
 

@@ -32,16 +32,9 @@ from comparisons.trials.judging.records import Error
 from comparisons.trials.observed_motion import SHARP_POINTS, ObservedMotion, peak, resample
 from comparisons.trials.runs.store import Curve
 from engines.contract import Origin, Signal
-from engines.scene import Channel
+from engines.scene import LEVELS, Channel
 
 JOINT_FORCE = "joint_force:"
-LINEAR_TITLES: Mapping[str, str] = {
-    "phi": "travel of the drive",
-    "omega": "speed of the drive",
-    "epsilon": "acceleration of the drive",
-    "Jeq": "reduced mass, with the masses of the file",
-    "Mkr": "force of the drive",
-}
 TABLE = Path(__file__).with_name("quantities.toml")
 
 Reference = Callable[[Case, Array], Array]
@@ -70,7 +63,7 @@ class Quantity:
     title: str
     clock: Channel
     also: frozenset[Channel] = frozenset()
-    holds_acceleration: bool = False
+    linear_title: str = ""
     needs_output: bool = False
     needs_thread: bool = False
     prescribed: bool = True
@@ -103,6 +96,11 @@ class Quantity:
         except LinkproofError as error:
             return str(error)
         return ""
+
+    @property
+    def holds_acceleration(self) -> bool:
+        """Whether it jumps with the crank's acceleration, as all but positions and velocities do."""
+        return self.clock not in LEVELS[:2]
 
     @property
     def channels(self) -> frozenset[Channel]:
@@ -179,7 +177,6 @@ def _joint_force(joint: str) -> Quantity:
         unit="N",
         title=f"force in joint {joint}",
         clock=Channel.JOINT_FORCE,
-        holds_acceleration=True,
     )
 
 
@@ -271,8 +268,8 @@ def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
     linkage = case.mechanism.linkage
     if not linkage.is_linear:
         return quantity
-    title = LINEAR_TITLES.get(quantity.name, quantity.title)
-    return replace(quantity, unit=unit_of(quantity.name, quantity.unit, is_linear=True), title=title)
+    unit = unit_of(quantity.name, quantity.unit, is_linear=True)
+    return replace(quantity, unit=unit, title=quantity.linear_title or quantity.title)
 
 
 def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:

@@ -15,10 +15,9 @@ from comparisons.trials.judging.quantities import has_two_values
 from comparisons.trials.observed_motion import resample
 from engines.contract import History, Signal
 from engines.mechanics.joints import scene_size
-from engines.scene import Channel, Scene
+from engines.scene import LEVELS, Channel, Scene
 
 PLACE, ANGLE, NUMBER = slice(0, 2), slice(2, 3), slice(0, 1)  # columns of a body; of a force; of a scalar
-LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 # A joint's peak force below this share of the largest is nothing to measure its own error by.
 FAINT_FORCE: Final = 1e-9
 

@@ -30,7 +30,6 @@ class PluginEngine:
     module: str
     is_control: bool
     abilities: Abilities
-    work_unit: str
     told_version: str | None
     absent: str | None
     expected_failures: Mapping[str, str]
@@ -84,8 +83,8 @@ def _facts(name: str) -> tuple[Any, ...]:
     with blamed_on(adapter):
         if isinstance(adapter, registry.Unusable):
             raise adapter.error
-        absent, unit = registry.why_unavailable(adapter), getattr(adapter, "work_unit", "")
-        facts = type(adapter).__module__, adapter.is_control, adapter.abilities, unit, adapter.version(), absent
+        absent, module = registry.why_unavailable(adapter), type(adapter).__module__
+        facts = module, adapter.is_control, adapter.abilities, adapter.version(), absent
         return name, *facts, dict(getattr(adapter, "expected_failures", {}))
 
 

@@ -178,43 +178,33 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
 
 
 def checked(run: Run, model: Scene, name: str) -> Run:
-    """The run, if its samples are readable and cover the whole motion; else the run as diverged.
-
-    Raises AdapterError for a breach of the contract that no simulation can excuse.
-    """
-    run = readable(run, model, name)
-    if run.outcome is Outcome.FINISHED:
-        for channel, signal in _requested_signals(run.history, model):
-            if signal is not None and (hole := gap(signal.time, model.drive)):
-                return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} has no samples {hole}")
-    return run
-
-
-def readable(run: Run, model: Scene, name: str) -> Run:
     """The run, checked against the contract: plain data, and samples of the scene's shapes; its reason on one line.
 
-    One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
-    Raises AdapterError for what no simulation can do wrong.
+    One that claims to have finished has diverged if it cannot be read between its samples, is not finite throughout, or
+    does not cover the whole motion. Raises AdapterError for what no simulation can do wrong.
     """
     fault = next(_contract_faults(run, model), None)
     if fault is not None:
         raise AdapterError(f"the adapter of {name} returned a run that is not as the contract has it: expected {fault}")
     run = replace(run, reason=" ".join(run.reason.split())[:_LONGEST_REASON])
-    if run.outcome is not Outcome.FINISHED:
-        return run
-    for channel, signal in _requested_signals(run.history, model):
-        if signal is None:
-            continue
-        if len(signal.time) < POINTS:
-            reason = f"{channel} has {len(signal.time)} samples, too few to read between"
-            return replace(run, outcome=Outcome.DIVERGED, reason=reason)
-        small = (np.abs(signal.values) < _LARGEST).reshape(len(signal.time), -1).all(axis=1)
-        if not small.all():
-            first = int(np.argmin(small))
-            how = f"beyond {_LARGEST:g}" if np.isfinite(signal.values[first]).all() else "not finite"
-            reason = f"{channel} is {how} from {signal.time[first]:.4g} s on"
-            return replace(run, outcome=Outcome.DIVERGED, reason=reason)
+    if run.outcome is Outcome.FINISHED:
+        for channel, signal in _requested_signals(run.history, model):
+            if signal is not None and (why := _unusable(signal, model.drive)):
+                return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} {why}")
     return run
+
+
+def _unusable(signal: Signal, drive: Drive) -> str:
+    """Why a signal of a run cannot be judged, in words that follow its name; "" if it can."""
+    if len(signal.time) < POINTS:
+        return f"has {len(signal.time)} samples, too few to read between"
+    small = (np.abs(signal.values) < _LARGEST).reshape(len(signal.time), -1).all(axis=1)
+    if not small.all():
+        first = int(np.argmin(small))
+        how = f"beyond {_LARGEST:g}" if np.isfinite(signal.values[first]).all() else "not finite"
+        return f"is {how} from {signal.time[first]:.4g} s on"
+    hole = gap(signal.time, drive)
+    return f"has no samples {hole}" if hole else ""
 
 
 def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
@@ -238,10 +228,8 @@ def _contract_faults(run: object, model: Scene) -> Iterator[str]:
     for part in ("seconds", "setup_seconds"):
         if not _is_time(getattr(run, part)):
             yield f"{part} that are finite and not negative, got {_shown_value(getattr(run, part))}"
-    for part in ("steps", "solver_work"):
-        value = getattr(run, part)
-        if type(value) is not int or not 0 <= value < 1 << 63:
-            yield f"{part} as a number from 0 on, got {_shown_value(value)}"
+    if type(run.steps) is not int or not 0 <= run.steps < 1 << 63:
+        yield f"steps as a number from 0 on, got {_shown_value(run.steps)}"
     if not isinstance(run.passes, tuple) or not all(map(_is_time, run.passes)):
         yield f"passes as steps in s, got {_shown_value(run.passes)}"
     plain = isinstance(run.details, Mapping) and all(isinstance(key, str) for key in run.details)

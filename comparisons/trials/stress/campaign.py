@@ -18,8 +18,7 @@ from comparisons.trials.judging.limits import grouped
 from comparisons.trials.runs.environment import environment
 from comparisons.trials.runs.run_engine import GIB, RunBounds
 from comparisons.trials.runs.store import Runs, load_study, save_study, store_errors
-from comparisons.trials.runs.tasks import Announce, Task, TaskList
-from comparisons.trials.runs.workers import EVERY_CORE, Pool
+from comparisons.trials.runs.workers import EVERY_CORE, Announce, Pool, Task, TaskList
 from comparisons.trials.stress.cells import Cell, StressVerdict, axes, cell_at, lost, run_cell
 
 PRECISE: Final = 1.1  # ratio of the two values that bracket a border
@@ -199,35 +198,28 @@ def stress(
     command: str = "",
     *,
     quick: bool = False,
+    narrow: bool = True,
     announce: Announce = lambda *_: None,
     finished: Runs | None = None,
     pool: Pool = EVERY_CORE,
 ) -> Stress:
-    """Run these cells, then those that narrow the borders down; ``finished`` runs are not made again.
+    """Run these cells, then those that ``narrow`` the borders down; ``finished`` runs are not made again.
 
     ``announce`` hears a label, how many cells are done and how many are known of. ``command`` repeats the test. A
     ``quick`` one has coarser borders and less time for a cell.
     """
-    study, precision = _stress_study(announce, finished, pool), COARSE if quick else PRECISE
+    study = TaskList(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
+    precision = COARSE if quick else PRECISE
     results, todo = list[Cell](), chosen
     while todo:
         results += _run_cells(study, todo, quick=quick)
-        todo = [border.between for border in borders(results, quick=quick) if border.is_wide(precision)]
+        found = borders(results, quick=quick) if narrow else []
+        todo = [border.between for border in found if border.is_wide(precision)]
     engines = sorted({cell.engine for cell in results})
     return Stress({"command": command, "environment": environment(engines), "quick": quick}, results)
 
 
-def make_cells(chosen: Sequence[Cell], pool: Pool = EVERY_CORE) -> list[Cell]:
-    """Run only these cells, each in a worker process of its own; the results in their order."""
-    return _run_cells(_stress_study(lambda *_: None, None, pool), chosen)
-
-
-def _stress_study(announce: Announce, finished: Runs | None, pool: Pool) -> TaskList[Cell]:
-    """The list that runs cells in the pool and keeps their results; ``finished`` ones are not repeated."""
-    return TaskList(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
-
-
-def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool = False) -> list[Cell]:
+def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool) -> list[Cell]:
     """Run cells, those with equal time limits together; returns the results in the cells' order."""
     by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)

@@ -32,7 +32,7 @@ from comparisons.trials.invariants.checks import HALF_TURN
 from comparisons.trials.judging.limits import OWN, grouped
 from comparisons.trials.judging.quantities import all_quantities
 from comparisons.trials.judging.records import Error, RunRecord, Verdict, run_of
-from comparisons.trials.judging.signal_errors import LEVELS, signal_errors
+from comparisons.trials.judging.signal_errors import signal_errors
 from comparisons.trials.observed_motion import ObservedMotion
 from comparisons.trials.runs.plugins import engine
 from comparisons.trials.runs.run_engine import Lost, blamed_on, run_engine
@@ -40,7 +40,7 @@ from engines.contract import Engine, Outcome, Setting, StudiedEngine
 from engines.contract import Run as EngineRun
 from engines.mechanics.joints import scene_size
 from engines.registry import why_unavailable
-from engines.scene import Channel, Scene
+from engines.scene import LEVELS, Channel, Scene
 
 # A motion is *wrong* where a position or velocity of any body, the torque of a driven crank or the force in a joint is
 # off by more than this share of its scale, or where so much of the motion has no samples.
@@ -85,7 +85,6 @@ class Cell(RunRecord):
     wrong: str = ""
     differing: Mapping[str, Any] = field(default_factory=dict)
     spent: float = 0.0
-    solver_work: int = 0
 
     @property
     def line(self) -> tuple[str, str, str, str]:
@@ -420,7 +419,7 @@ def run_cell(cell: Cell) -> Cell:
         return replace(cell, verdict=StressVerdict.UNSUPPORTED, reason=reason)
     given = scene(conditions, true)
     made = _run_usage(adapter, given, cell.setting, conditions)
-    cost = {name: getattr(made, name) for name in ("seconds", "setup_seconds", "steps", "solver_work")}
+    cost = {name: getattr(made, name) for name in ("seconds", "setup_seconds", "steps")}
     result = judged(replace(cell, **cost), true, given, made, adapter)
     return replace(result, spent=time.perf_counter() - begun)
 

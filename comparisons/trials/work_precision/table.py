@@ -56,8 +56,6 @@ class BenchRun(RunRecord):
     repeats: tuple[float, ...] = ()
     readout_seconds: float = 0.0
     engine_seconds: float | None = None
-    solver_work: int = 0
-    work_unit: str
     outcome: str
     detail: str = ""
     used: str = ""
@@ -89,7 +87,8 @@ class BenchRun(RunRecord):
         """Yield a row for each of its quantities; of one that did not finish, for each of those requested.
 
         A quantity that the engine does not tell at all is not provided there. ``finished`` has both an error and a
-        time, ``left_out`` says what of a quantity the engine does not tell.
+        time, ``left_out`` says what of a quantity the engine does not tell, ``label`` is the engine's name for
+        a reader.
         """
         derived = ("key", "total_seconds", "seconds_median", "overhead", "is_extrapolated")
         own = vars(self) | {name: getattr(self, name) for name in derived}
@@ -97,6 +96,7 @@ class BenchRun(RunRecord):
             is_lacking = bool(self.errors) and error.error_max is None
             yield {
                 **own,
+                "label": f"{self.engine} (control)" if self.is_control else self.engine,
                 "quantity": error.quantity,
                 "unit": error.unit,
                 "error_max": error.error_max,

@@ -8,7 +8,6 @@
     ["all of a run", "set-up, stepping and read-out, s",
       (one) => one.setup_seconds + one.seconds + one.readout_seconds],
     ["time steps", "time steps, over all runs of a point", (one) => one.steps],
-    ["solver work", "the constraint solver's work, in each engine's own unit", (one) => one.solver_work],
   ];
 
   linkproof.widget("bench", (element, given) => {

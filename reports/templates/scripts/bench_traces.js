@@ -24,7 +24,7 @@ linkproof.bench = (() => {
         (sweep.runs > 1 ? `${sweep.runs} runs, extrapolated` : "1 run"),
       `stepping ${time(point.seconds)}, median ${time(point.seconds_median)}`,
       `set-up ${time(point.setup_seconds)}, read-out ${time(point.readout_seconds)}`,
-      `${point.steps} steps, ${point.solver_work} ${sweep.work_unit}${sweep.solver && `; ${sweep.solver}`}`,
+      `${point.steps} steps${sweep.solver && `; ${sweep.solver}`}`,
       ends && `${order ? `order ${order.toFixed(1)}` : "no steady order"}; ${ends}`,
       point.used && wrapped(point.used),
     ].filter(Boolean).join("<br>");

@@ -16,7 +16,7 @@ from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import describe_release, range_motion, sheet, usual_case, usual_sheet
 from comparisons.motion.case import Case, case_of_file_regime, motion_of_file_regime
-from comparisons.trials.campaign.saved_linkages import load_cases, save_case
+from comparisons.trials.campaign.results import load_cases, save_case
 from tests.analytic.linkages import DOUBLE_ROCKER, FOLDER, PENDULUM, ROTOR, from_text
 from tests.commands import linkproof
 

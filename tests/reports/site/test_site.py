@@ -11,8 +11,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designer.building import usual_case
-from comparisons.trials.campaign.results import save
-from comparisons.trials.campaign.saved_linkages import RESULTS, save_case
+from comparisons.trials.campaign.results import RESULTS, save, save_case
 from comparisons.trials.runs.files import STORE, write_file
 from comparisons.trials.runs.workers import LocalPool
 from comparisons.trials.stress.campaign import KIND as STRESS

@@ -12,9 +12,15 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.trials.campaign import campaign
 from comparisons.trials.campaign.campaign import CampaignRequest
-from comparisons.trials.campaign.results import CURVE_COLUMNS, document, save, write_curves
+from comparisons.trials.campaign.results import (
+    CURVE_COLUMNS,
+    described_linkage,
+    document,
+    linkage_row,
+    save,
+    write_curves,
+)
 from comparisons.trials.campaign.results import load as load_results
-from comparisons.trials.campaign.saved_linkages import described_linkage, linkage_row
 from comparisons.trials.runs.files import STORE
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion

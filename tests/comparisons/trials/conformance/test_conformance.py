@@ -14,12 +14,10 @@ from comparisons.trials.conformance.conformance import (
     CHECKS,
     FIRST,
     check_engine,
-    parametrize_engine_checks,
     run_in_workers,
     with_expected,
 )
-from comparisons.trials.conformance.misreadings import likeliest_misreading
-from comparisons.trials.conformance.mutants import MUTANT, MUTANTS
+from comparisons.trials.conformance.slips import MUTANT, MUTANTS, likeliest_misreading
 from comparisons.trials.conformance.trial import CheckResult, EngineTrial, Finding, NotTestedError
 from comparisons.trials.judging.signal_errors import readings
 from comparisons.trials.runs.run_engine import RunBounds
@@ -38,7 +36,6 @@ from tests.comparisons.trials.conformance.wrong_engines import (
 from tests.comparisons.true_motions import true_history
 from tests.engines.closed_form import installed
 
-pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
 
 FEWEST_MUTANTS = 6  # of an engine, whatever it can do
@@ -158,30 +155,6 @@ def test_an_expected_failure_of_no_check_is_named(monkeypatch):
     engine = DirectEngine()
     engine.expected_failures = {"slience": "a slip"}
     assert check_engine(engine, 1)[0].finding is Finding.FAILED
-    with pytest.raises(KeyError, match="slience"):
-        parametrize_engine_checks(engine)
-
-
-SUITE = """
-from comparisons.trials.conformance.conformance import parametrize_engine_checks
-from tests.comparisons.trials.conformance.wrong_engines import PrintingEngine
-
-@parametrize_engine_checks(PrintingEngine(), {expected!r})
-def test_engine(check):
-    check()
-"""
-
-
-@pytest.mark.parametrize(
-    ("expected", "outcome"),
-    [({}, {"failed": 1}), ({"silence": "it prints", "repetition": "once"}, {"failed": 1, "xfailed": 1})],
-)
-def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure_passes(pytester, expected, outcome):
-    pytester.makepyfile(SUITE.format(expected=expected))
-    done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-k", "silence or repetition or refusals or speed")
-    counts = done.parseoutcomes()
-    assert {name: counts.get(name, 0) for name in ("failed", "xfailed")} == {"failed": 0, "xfailed": 0, **outcome}
-    assert counts["skipped"] >= 4  # refusals do not apply, worlds cannot be altered
 
 
 def findings(name, monkeypatch, checks):

@@ -9,7 +9,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.trials.runs.run_engine import AdapterError, gap, readable
+from comparisons.trials.runs.run_engine import AdapterError, checked, gap
 from engines.contract import Outcome, Run, Signal
 from engines.scene import Free, Prescribed
 from tests.comparisons.true_motions import perfect_motion
@@ -81,7 +81,7 @@ def moved(change):
 )
 def test_a_run_that_violates_the_contract_is_an_error_of_its_adapter(run, words):
     with pytest.raises(AdapterError, match=rf"^the adapter of e returned a run .* expected .*{words}"):
-        readable(run, MOTION.scene, "e")
+        checked(run, MOTION.scene, "e")
 
 
 @pytest.mark.parametrize(
@@ -96,6 +96,6 @@ def test_a_run_that_violates_the_contract_is_an_error_of_its_adapter(run, words)
     ],
 )
 def test_a_finished_run_that_cannot_be_read_has_diverged(change, reason):
-    run = readable(moved(change), MOTION.scene, "e")
+    run = checked(moved(change), MOTION.scene, "e")
     assert run.outcome is Outcome.DIVERGED
     assert re.match(reason, run.reason)

@@ -23,8 +23,7 @@ from analytic.errors import LinkproofError
 from comparisons.trials.judging.records import ERRORS, NAMES, Error
 from comparisons.trials.runs.files import STORE, check_writable, write_file
 from comparisons.trials.runs.store import begin, has_study, load_study, save_study, temporary_runs, unfinished_command
-from comparisons.trials.runs.tasks import Task, TaskList
-from comparisons.trials.runs.workers import LocalPool
+from comparisons.trials.runs.workers import LocalPool, Task, TaskList
 from tests.comparisons.faults import job
 
 

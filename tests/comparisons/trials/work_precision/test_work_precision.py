@@ -19,9 +19,7 @@ from comparisons.motion.case import Case
 from comparisons.trials.runs.run_engine import AdapterError
 from comparisons.trials.runs.store import begin
 from comparisons.trials.runs.workers import LocalPool
-from comparisons.trials.work_precision import measure as point
 from comparisons.trials.work_precision import study as benchmark
-from comparisons.trials.work_precision.measure import chosen_families, measure
 from comparisons.trials.work_precision.study import (
     FEWEST,
     OUT_OF_TIME,
@@ -31,6 +29,8 @@ from comparisons.trials.work_precision.study import (
     PointSweep,
     bench,
     blank_run,
+    chosen_families,
+    measure,
     planned_sweeps,
 )
 from comparisons.trials.work_precision.table import has_floor, sweeps
@@ -118,7 +118,7 @@ def test_the_overhead_is_the_time_outside_the_engines_calls_and_in_what_they_cal
     made_up = SimpleNamespace(step=step, set_callback=called_back.append)
     adapter = SimpleNamespace(engine_calls=("made_up.step",), callback_calls=("made_up.set_callback",))
     monkeypatch.setitem(sys.modules, "made_up", made_up)
-    monkeypatch.setattr(point.time, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(benchmark.time, "perf_counter", lambda: now[0])
 
     def run():
         made_up.set_callback(lambda: spend(1.0))
@@ -126,9 +126,9 @@ def test_the_overhead_is_the_time_outside_the_engines_calls_and_in_what_they_cal
             spend(2.0)
             made_up.step()
 
-    assert point.engine_seconds(adapter, run) == pytest.approx(20.0)
+    assert benchmark.engine_seconds(adapter, run) == pytest.approx(20.0)
     assert made_up.step is step
-    assert point.engine_seconds(SimpleNamespace(), run) is None
+    assert benchmark.engine_seconds(SimpleNamespace(), run) is None
     assert row(engine_seconds=20.0, seconds=32.0).overhead == pytest.approx(3.0 / 8.0)
 
 
@@ -153,7 +153,7 @@ def _measured(monkeypatch, change, names):
         return replace(run, history=change(run.history), passes=(3e-3, 1e-3))
 
     altered = Scripted(act, is_control=True)
-    monkeypatch.setattr(point, "engine", lambda name: altered)
+    monkeypatch.setattr(benchmark, "engine", lambda name: altered)
     return measure(PICKLED, Setting.TUNED, blank_run(CASE, "direct", Setting.TUNED), names, with_errors=True)
 
 
@@ -223,7 +223,6 @@ def known_run(_, how, step=1e-3):
         seconds=len(time) * 1e-6,
         setup_seconds=1e-4,
         steps=len(time),
-        solver_work=5 * len(time),
         passes=tuple(step / (1 + number) for number in range(runs)),
         details={"scheme": "known"},
     )
@@ -232,10 +231,8 @@ def known_run(_, how, step=1e-3):
 def _installed(monkeypatch):
     """The known engine in the registry's place, and nothing remembered of another."""
     found = Scripted(known_run, name="known", channels=(Channel.TORQUE,), methods=METHODS)
-    for module in (benchmark, point):
-        monkeypatch.setattr(module, "engine", lambda name: found)
-    monkeypatch.setattr(benchmark, "engine_names", lambda: ("known",))
-    monkeypatch.setattr(point, "_WARM", set())
+    monkeypatch.setattr(benchmark, "engine", lambda name: found)
+    monkeypatch.setattr(benchmark, "_WARM", set())
     return found
 
 
