@@ -201,7 +201,7 @@ class Constraint(NamedTuple):
 
 
 def shifted(rows: Array, by: float) -> Array:
-    """Rows of values with derivatives, the values larger by a number."""
+    """A copy of rows (n, 1 + variables) of values with derivatives, with ``by`` added to the values."""
     return np.column_stack([rows[:, 0] + by, rows[:, 1:]])
 
 
@@ -217,7 +217,7 @@ class Pieces(NamedTuple):
         return self.rows[[int(np.argmax(self.rows[:, 0]))]]
 
     def bounded_by(self, sign: float) -> Array:
-        """Rows of smooth values whose highest is ``sign``, 1 or -1, times the figure."""
+        """Rows of smooth values, with derivatives, whose highest is ``sign``, 1 or -1, times the figure."""
         return self.rows if sign == self.sign else -self.top
 
 

@@ -151,7 +151,8 @@ class Descent:
 def _limits(design: Linearised, *, is_feasible: bool) -> Array:
     """Rows that, with z by their last factor, are positive if a design's aim is at most z and it is feasible.
 
-    Of a design that is not feasible they are positive if no constraint is violated by more than z.
+    Of a design that is not feasible they are positive if no constraint is violated by more than z. A row has a value,
+    its derivatives by place, and the factor.
     """
     parts = [(-design.aim, 1.0), (design.inside, 0.0)]
     if not is_feasible:

@@ -222,7 +222,10 @@ def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: 
 
 
 def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
-    """A number; raises LinkproofError for anything else."""
+    """A number, unchanged; raises LinkproofError for anything else.
+
+    It has to be whole, or positive and finite, where the option is.
+    """
     is_whole, unit = int in (option.kind, *get_args(option.kind)), UNITS.get(option.info.metavar, "")
     if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
         what = "a whole number" if is_whole else "a number"

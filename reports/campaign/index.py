@@ -273,7 +273,7 @@ def _share_of_peak(error: float) -> str:
 
 
 def _engines_by_families(families: Mapping[str, Sequence[str]]) -> dict[tuple[str, ...], list[str]]:
-    """Engines with the same families by these families; engines without any are left out."""
+    """Engines by their families, those with the same together; engines without any are left out."""
     return grouped((tuple(names), engine) for engine, names in families.items() if names)
 
 
