@@ -110,10 +110,10 @@ def conversion(unit: str, si: str) -> float:
     Power, energy and plain numbers, for which files have no unit of their own, are in SI. Raises UnknownNameError for
     a unit of another kind than ``si``.
     """
-    fitting = {si: 1.0}  # W, J, a plain number
+    what, fitting = f"unit of a figure in {si or 'plain numbers'}", {si: 1.0}  # W, J, a plain number
     if si in MEASURED:
         kind, rate = MEASURED[si]
-        fitting = {name + rate: value for name, value in UNITS[kind].items()}
+        what, fitting = f"{kind} unit", {name + rate: value for name, value in UNITS[kind].items()}
     if unit not in fitting:
-        raise UnknownNameError(f"unit of a figure in {si or 'plain numbers'}", unit, fitting)
+        raise UnknownNameError(what, unit, fitting)
     return fitting[unit]

@@ -128,8 +128,9 @@ def figure_gradients(
     design.values([figure.signal for figure in figures], grid)  # refuses one without a motion
     zero_of_s = design.farthest(grid) if any(figure.signal == "S" for figure in figures) else STILL
     ends = tuple(dict.fromkeys(end for figure in figures for end in figure.extremes))
-    known: dict[SignalExtreme | Figure, Curve] = dict(zip(ends, design.extremes(ends, grid, zero_of_s), strict=True))
-    known |= design.means([figure for figure in figures if figure.is_mean], grid, zero_of_s)
+    means = design.means([figure for figure in figures if figure.is_mean], grid, zero_of_s)
+    tops = zip(ends, design.extremes(ends, grid, zero_of_s), strict=True)
+    known: dict[SignalExtreme | Figure, Curve] = {**dict(tops), **means}
     for figure in figures:
         if figure.reduction is Reduction.AT:
             (known[figure],) = design.curves([figure.signal], np.array(figure.angle), zero_of_s)

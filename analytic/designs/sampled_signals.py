@@ -250,11 +250,6 @@ def evaluate_designs(
     for wrong values.
     """
     places = np.asarray(angle, dtype=float)
-    if places.ndim != 1 or not np.all(np.isfinite(places)):
-        raise LinkproofError(
-            "angle: expected a flat list of finite crank angles in rad, got "
-            f"{'nan or infinity' if places.ndim == 1 else f'shape {places.shape}'}; pass such a list"
-        )
     arrays = checked_parameters(mechanism.linkage, parameters)
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     count = len(next(iter(arrays.values())))

@@ -31,13 +31,10 @@ from comparisons.designer.linkage_check import file_facts, mechanism_facts
 from comparisons.designer.open_ends import inset_ends, open_end_warning
 from comparisons.designer.sheet import Positions, Released, Sheet, ThreadSheet
 from comparisons.motion.case import Case, motion_of_file_regime
-from comparisons.motion.thinning import extreme_samples
 
 POSITIONS_SHOWN: Final = 121  # of a turn, a range or a motion
 TURN_ROUNDING: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
 
-STRETCHES: Final = 70  # of a long curve that is shown by the extremes of each
-EVEN_SAMPLES: Final = 121  # instants that are shown besides
 PER_TURN, FEWEST_INSTANTS, MOST_INSTANTS = 60, 2000, 100_000  # instants at which a motion is looked at
 LAST_TURN_SAMPLES: Final = 361
 
@@ -363,17 +360,11 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
         "end": float(in_turn(float(motion.angle(motion.duration)))),
     }
     time = _dense_times(motion)
-    curves = (time, motion.angle(time), motion.speed(time), motion.acceleration(time))
-    return Released(facts, _thin_curves(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
-
-
-def _thin_curves(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
-    """Curves (n,) by ``names``, the first their axis, at the instants that show them: extremes, and others evenly."""
-    even = np.linspace(0, len(curves[0]) - 1, EVEN_SAMPLES).astype(int)
-    places = distinct(
-        np.concatenate([even, *(extreme_samples(np.nan_to_num(curve), STRETCHES) for curve in curves[1:])])
+    curves = np.stack([time, motion.angle(time), motion.speed(time), motion.acceleration(time)])
+    shown = curves[:, choose_samples(time, curves[1:], FEW, MOST)]
+    return Released(
+        facts, dict(zip(("time", "phi", "omega", "epsilon"), shown, strict=True)), _last_turn(motion, ending)
     )
-    return {name: curve[places] for name, curve in zip(names, curves, strict=True)}
 
 
 def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:

@@ -16,7 +16,7 @@ from analytic.description.changes import numbers as numbers_of
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import DESIGN, parse, rewritten
-from analytic.description.units import UNITS, FileUnit, Kind, factor
+from analytic.description.units import FileUnit, Kind, conversion
 from analytic.description.written import file_unit, kind_unit
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, figures_named
@@ -41,6 +41,7 @@ class Named:
 
     name: str
     unit: FileUnit
+    si_unit: str
 
     @property
     def shown(self) -> str:
@@ -73,40 +74,34 @@ class Named:
 
     def _unit_size(self, unit: str) -> float:
         """Size in SI of a unit that is typed; raises LinkproofError for one that does not measure this."""
-        if unit != self.unit.name:
-            raise LinkproofError(
-                f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
-            )
-        return self.unit.size
+        if unit == self.unit.name:
+            return self.unit.size
+        try:
+            return conversion(unit, self.si_unit)
+        except UnknownNameError as error:
+            raise LinkproofError(f"{self.name}: {error}") from error
 
 
 @dataclass(frozen=True)
 class Parameter(Named):
-    """A number of the file (``analytic.description.changes``) and its SI value."""
+    """A number of the file (``analytic.description.changes``), its kind and its SI value."""
 
     kind: Kind
     value: float
-
-    def _unit_size(self, unit: str) -> float:
-        """Size, SI, of a unit of the number's kind; raises LinkproofError for a unit of another kind."""
-        if self.kind not in UNITS:
-            return super()._unit_size(unit)
-        try:
-            return factor(self.kind, unit)
-        except UnknownNameError as error:
-            raise LinkproofError(f"{self.name}: {error}") from error
 
 
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number that designs of a linkage may differ in, by name; the driver's speed is not among them."""
     numbers = design_numbers(linkage).items()
-    return {name: Parameter(name, kind_unit(kind, linkage.units), kind, value) for name, (kind, value) in numbers}
+    return {
+        name: Parameter(name, kind_unit(kind, linkage.units), kind.si, kind, value) for name, (kind, value) in numbers
+    }
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
     """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s, without sign; raises UnknownNameError."""
     if name == SPEED:
-        return Parameter(SPEED, linkage.phi.speed_unit, Kind.SPEED, abs(speed))
+        return Parameter(SPEED, linkage.phi.speed_unit, Kind.SPEED.si, Kind.SPEED, abs(speed))
     known = parameters(linkage)
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTING)
@@ -170,9 +165,8 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
     """
     figures = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
     linkage = mechanism.linkage
-    return tuple(
-        NamedFigure(name, file_unit(unit(figure.signal, linkage), linkage), figure) for name, figure in figures.items()
-    )
+    units = {name: unit(figure.signal, linkage) for name, figure in figures.items()}
+    return tuple(NamedFigure(name, file_unit(si, linkage), si, figures[name]) for name, si in units.items())
 
 
 # The case in which designs are compared: a linkage whose driver moves at constant speed over a turn, or over a range.

@@ -188,8 +188,9 @@ def evaluate(
 
     mechanism = Mechanism(load_linkage(linkage, variant, gravity=gravity))
     angle = np.atleast_1d(np.asarray(phi, dtype=float))
-    if angle.ndim != 1 or not angle.size:
-        raise LinkproofError(f"phi: expected a flat list of crank angles, got shape {angle.shape}; pass such a list")
+    if angle.ndim != 1 or not angle.size or not np.all(np.isfinite(angle)):
+        got = "nan or infinity" if angle.ndim == 1 and angle.size else f"shape {angle.shape}"
+        raise LinkproofError(f"phi: expected a flat list of finite crank angles, got {got}; pass such a list")
     size = mechanism.linkage.phi.speed_unit.size
     moves = {"acceleration": acceleration, "speed": None if speed is None else np.asarray(speed, dtype=float) * size}
     names = None if quantities is None else [*map(symbol, words(quantities))]

@@ -145,7 +145,7 @@ def test_where_no_design_meets_a_constraint_the_nearest_of_all_is_named():
         pytest.param({"figure": "Mkr.rms"}, "rocker.mass=±50%", marks=pytest.mark.nightly),
         pytest.param({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%", marks=pytest.mark.nightly),
         pytest.param(
-            {"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]},
+            {"figure": "Mkr.peak", "keep": ["stroke=3.09cm:31", "Mkr.min=-0.26:"]},
             "rocker.B.x=±5%",
             marks=pytest.mark.nightly,
         ),

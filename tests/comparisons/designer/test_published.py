@@ -231,8 +231,8 @@ def test_printed_angles_are_compared_modulo_a_turn():
     ("keys", "words"),
     [
         ('quantity = "strike"', "quantity: unknown figure 'strike'"),
-        ('quantity = "stroke", unit = "furlong"', "unit: unknown unit of a figure in m 'furlong'"),
-        ('quantity = "stroke", unit = "kN"', "unit: unknown unit of a figure in m 'kN'"),
+        ('quantity = "stroke", unit = "furlong"', "unit: unknown length unit 'furlong'"),
+        ('quantity = "stroke", unit = "kN"', "unit: unknown length unit 'kN'"),
         ('quantity = "stroke", regime = "nope"', "regime: unknown regime of 'printed' 'nope'"),
         ('quantity = "stroke", speed = 0', "speed: expected a crank that turns, got 0 rpm; leave it out for 1 rad/s"),
     ],

@@ -70,8 +70,8 @@ def test_every_design_is_evaluated_by_itself():
     [
         (([0.0], "Mkr"), {}, "expected the crank's speed in rpm for Mkr, got none"),
         (([0.0], "omega"), {}, "unknown quantity 'omega'"),
-        (([[0.0]], "Jeq"), {}, r"expected a flat list of crank angles, got shape \(1, 1\)"),
-        (([], "Jeq"), {}, "expected a flat list of crank angles"),
+        (([[0.0]], "Jeq"), {}, r"expected a flat list of finite crank angles, got shape \(1, 1\)"),
+        (([], "Jeq"), {}, "expected a flat list of finite crank angles"),
         (([0.0], "S"), {"designs": {"coupler.D.x": [0.05]}}, "unknown quantity 'S'"),  # many designs have no stroke
     ],
 )
