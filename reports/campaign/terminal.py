@@ -9,8 +9,7 @@ from types import MappingProxyType
 
 from comparisons.trials.judging.changes import Change
 from comparisons.trials.judging.records import CONTROL, Error, RunRecord, Verdict
-from reports.document.numbers import bound, error, figure
-from reports.document.parts import RUNS, Paragraph, Table, TableCell, Words
+from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout
 from reports.mechanism.engines import error_cell, error_rows, limit_words, reasons, remedies
 from reports.records import (
@@ -23,11 +22,9 @@ from reports.records import (
 )
 
 ACROSS = 4  # runs side by side in a table of 80 columns
-DETAILS = (
-    *("engine", "setting", "quantity", "origin", "outcome", "error", "RMS", "limit", "peak", "unit"),
-    "worst at s",
-    *("samples", "left out", "why"),
-)
+# Columns of the table of all records that the terminal has if it is verbose.
+DETAILS = ["mechanism", "variant", "regime", "engine", "setting", "quantity", "origin", "outcome", "error_max",
+           "error_rms", "limit", "peak", "unit", "worst_time", "samples", "left_out", "detail"]  # fmt: skip
 
 
 def printout(
@@ -47,7 +44,7 @@ def printout(
         *_counts(changes),
         _closing_line(runs),
     ]
-    return Printout(_motion_tables(runs, changes, concurrency_note(environment)), closing, _detail_tables(runs))
+    return Printout(_motion_tables(runs, changes, concurrency_note(environment)), closing, _details(runs))
 
 
 def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
@@ -67,12 +64,13 @@ def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_o
         yield ""
 
 
-def _detail_tables(runs: Iterable[RunRecord]) -> Iterator[Printed]:
-    """Yield a table of every record with all its numbers, for each mechanism and regime."""
-    for together in _by_motion(runs):
-        yield _motion_heading(together[0])
-        yield Table("", DETAILS, [_detail_row(record) for run in together for record in run.every], "l")
-        yield ""
+def _details(runs: Iterable[RunRecord]) -> Iterator[str]:
+    """Yield the table of every record with all its numbers, then a blank line."""
+    import pandas as pd  # noqa: PLC0415 - half a second that only a verbose command pays
+
+    table = pd.DataFrame([record._asdict() for run in runs for record in run.every])[DETAILS]
+    yield table.to_string(index=False, na_rep="", float_format="{:.4g}".format)
+    yield ""
 
 
 def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
@@ -113,17 +111,6 @@ def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
     """Lines on the values that adapters compute themselves, one for each run with such values."""
     names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
-
-
-def _detail_row(record: Error) -> tuple[TableCell | str, ...]:
-    """The cells of one record in the table of details."""
-    time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
-    return (
-        record.engine, record.setting, record.quantity, record.origin,
-        TableCell(record.outcome, colour=RUNS[record.outcome].colour),
-        error(record.error_max), error(record.error_rms), bound(record.limit),
-        figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
-    )  # fmt: skip
 
 
 def _place(record: Error) -> str:

@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Link
 from analytic.errors import printable
-from analytic.signals import MAGNITUDE
 from comparisons.designer.curves import TIME
 from comparisons.designer.sheet import JOINT, ROUNDING, Sheet
 from reports.charts import draw
@@ -199,7 +198,7 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host) -> None:
                     named.append(place)
                     away = 11.0 * unit_vector(np.array(place) - np.mean(dots, axis=1))  # points
                     axes.annotate(f"{at}°", place, away, textcoords="offset points", ha="center", va="center")
-        peak = words(sheet, sheet.peaks[vector + MAGNITUDE]).replace(" ", "\N{NO-BREAK SPACE}")
+        peak = words(sheet, sheet.peaks[f"{vector}:magnitude"]).replace(" ", "\N{NO-BREAK SPACE}")
         title = f"{printable(plain(vector.partition(':')[2] or vector))}, {peak}"
         axes.set_title(wrap(title, FULL_WIDTH / PER_ROW - 0.6))
         axes.margins(0.1, 0.15)
