@@ -10,7 +10,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from tests.commands import linkproof as command
-from tests.commands import refused
+from tests.commands import process, refused
 
 SECONDS, MEMORY = 10, 300 << 20  # on a busy machine, and beyond what is used already
 LINKAGE = "four-bar.toml"
@@ -181,3 +181,10 @@ def test_pages_that_cannot_be_written_are_an_error_after_the_results(monkeypatch
     for done in (command(*words), command("compare", "--out", "out")):
         assert (done.returncode, "1 passed" in done.stdout) == (2, True)
         assert "the results are saved in 'out', but no pages are written: cannot write 'out/index.html'" in done.stderr
+
+
+@pytest.mark.nightly
+def test_a_home_that_cannot_be_written_is_no_news(tmp_path):
+    home = {"HOME": "/proc", "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+    done = process("check", "juki-mf7923d", "--save", tmp_path / "scheme.svg", **home)
+    assert (done.returncode, done.stderr) == (0, f"wrote {tmp_path / 'scheme.svg'}\n")

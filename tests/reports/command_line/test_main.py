@@ -119,6 +119,13 @@ def test_a_fault_of_ours_and_memory_at_its_limit_are_one_sentence(monkeypatch, e
     assert done.stderr.startswith(f"linkproof: {sentence}")
 
 
+# What follows is about a process: each test starts one.
+def test_output_to_a_small_character_set_is_readable():
+    done = process("results", NAME, text=False, PYTHONIOENCODING="cp1252")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "phi from 0° to 360°" in done.stdout.decode("cp1252")
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_stdout_is_one_sentence():
     with open("/dev/full", "w") as full:
