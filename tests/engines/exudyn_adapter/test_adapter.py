@@ -1,10 +1,10 @@
-"""What exudyn alone has: samples at a jump, change points, its tolerance, and a memory that has to be given back."""
+"""What exudyn alone has: samples at a jump, change points, and starts of parts on states that fit the joints."""
 
 import numpy as np
 import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
-from engines.contract import Outcome, Setting
+from engines.contract import Setting
 from engines.exudyn_adapter.adapter import BEST, TUNED, ExudynEngine
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
@@ -49,17 +49,6 @@ def test_a_part_that_starts_with_an_acceleration_is_as_good_as_the_others():
     motion = CrankMotion("own", (Segment(0.0, 0.03, (0.3, 0.0, 1000.0)), Segment(0.03, 0.06, (1.2, 60.0, 300.0))))
     linkage = mechanism("juki-mf7923d")
     assert max(errors_of(run_of(ENGINE, linkage, motion, Setting.BEST), linkage, motion).values()) < 1e-6
-
-
-def test_nothing_of_a_run_outlives_it(monkeypatch):
-    """Else exudyn holds its functions and sensors for good, a tenth of a megabyte a run."""
-    worlds, build = [], ENGINE.build
-    monkeypatch.setattr(ENGINE, "build", lambda *given: worlds.append(build(*given)) or worlds[-1], raising=False)
-    scenes = _scene(), _scene("parallelogram", ramp_time=0.15, hold_time=0.03)
-    outcomes = [ENGINE.run(model, Setting.BEST).outcome for model in scenes]
-    assert outcomes == [Outcome.FINISHED, Outcome.DIVERGED]
-    assert len(worlds) >= 2
-    assert all(world.container.NumberOfSystems() == 0 for world in worlds)
 
 
 loop = pytest.importorskip("engines.exudyn_adapter.loop")

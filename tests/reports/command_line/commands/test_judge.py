@@ -77,7 +77,7 @@ def test_a_small_difference_of_a_right_file_is_told_with_its_cause(folder):
 
 
 def test_json_on_stdout_is_one_object(folder):
-    done = judge("off.csv", *RUN_UP, "--json", "--limit", "0.001")
+    done = judge("wrong.csv", *RUN_UP, "--json")
     document = json.loads(done.stdout)
     assert (done.returncode, document["passed"]) == (1, False)
     outcomes = {record["quantity"]: record["outcome"] for record in document["records"]}
