@@ -88,12 +88,12 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
         """The scene as plain data for ``engines.drake_loop``; see ``LoopEngine.model``."""
         assert isinstance(scene.drive, Prescribed)
         start, segments, far = start_motion(scene), scene.drive.motion.segments, FAR * scene_size(scene)
-        joints = [(p.name, (p.first, p.first_anchor), (p.second, p.second_anchor), 0.0) for p in scene.pins]
+        joints = [(pin.name, *pin.ends, 0.0) for pin in scene.pins]
         arms = JointEquations(scene, unit=1.0).arms(pose_of(start[0]))
         for slot, gap, along in zip(scene.guided, arms.gap[0, len(scene.pins) :], arms.along[0], strict=True):
             if isinstance(slot, SlotJoint):  # a circle that crosses the line on both sides of where the pin starts
                 centre = complex(*slot.through) + (gap @ along + 1j * far * (1.0 - 0.3 / FAR**2)) * complex(*slot.along)
-                joints.append((slot.name, (slot.body, slot.anchor), (slot.host, (centre.real, centre.imag)), far))
+                joints.append((slot.name, slot.ends[0], (slot.host, (centre.real, centre.imag)), far))
         return {
             "lead": recipe.lead,
             "gravity": scene.gravity,

@@ -31,7 +31,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.joints import scene_size
-from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, ends, slots_as_blocks, spanning_tree
+from engines.mechanics.spanning_tree import AT_REST, Branch, cylinder_as_links, slots_as_blocks, spanning_tree
 from engines.mechanics.states import body_numbers, start_coordinate
 from engines.scene import GUIDES, LOADS, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping.stepped_engine import LoopEngine, Recipe, plain_law
@@ -99,14 +99,15 @@ class MujocoModel:
 
         Anchor and direction of a guide, else 0 and None. Bodies are ``numbers``.
         """
-        joints = {joint.name: joint for joint in (*self.scene.pins, *self.scene.guided)}
+        joints = {joint.name: joint for joint in self.scene.joints}
         for rubs in self.scene.friction:
             joint = joints[rubs.name]
+            (body, anchor), (host, _) = joint.ends
+            bodies = numbers[body], numbers[host]
             if isinstance(joint, PinJoint):
-                yield rubs.name, rubs.coefficient * rubs.radius, numbers[joint.first], numbers[joint.second], 0j, None
+                yield rubs.name, rubs.coefficient * rubs.radius, *bodies, 0j, None
             else:
-                places = complex(*joint.anchor), complex(*joint.along)
-                yield rubs.name, rubs.coefficient, numbers[joint.body], numbers[joint.host], *places
+                yield rubs.name, rubs.coefficient, *bodies, complex(*anchor), complex(*joint.along)
 
     def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
         """The model in plain data: its XML, and what XML does not have."""
@@ -134,11 +135,10 @@ class MujocoModel:
             ),
             "friction": [*self.friction(numbers)],
             "springs": [
-                (
-                    numbers[spring.first], complex(*spring.first_anchor), numbers[spring.second],
-                    complex(*spring.second_anchor), spring.stiffness, spring.length, spring.damping,
-                )
+                (numbers[first], complex(*here), numbers[second], complex(*there), *law)
                 for spring in scene.springs
+                for (first, here), (second, there) in [spring.ends]
+                for law in [(spring.stiffness, spring.length, spring.damping)]
             ],
         }  # fmt: skip
 
@@ -161,7 +161,7 @@ class MujocoModel:
         if self.scene.driver_kind is DriverKind.SLIDER:
             guide = self.scene.driven_slider
             rows[guide.name] = (*rows[guide.name][:3], (-guide.along[1], guide.along[0]))
-        return {joint.name: rows[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
+        return {joint.name: rows[joint.name] for joint in self.scene.joints}
 
     def xml(self, recipe: MujocoRecipe) -> Element:
         """The scene as the root element of MuJoCo's XML."""
@@ -180,7 +180,7 @@ class MujocoModel:
         for cut in self.tree.cuts:
             sites = f"{cut.name}/1", f"{cut.name}/2"
             SubElement(equalities, "connect", name=cut.name, site1=sites[0], site2=sites[1])
-            for site, (link, anchor) in zip(sites, ends(cut), strict=True):
+            for site, (link, anchor) in zip(sites, cut.ends, strict=True):
                 SubElement(links[link], "site", name=site, pos=_plane_text(complex(*anchor)))
         for damper in scene.dampers:
             angle = SubElement(tendons, "fixed", damping=f"{damper.coefficient:.17g}")

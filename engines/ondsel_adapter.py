@@ -145,9 +145,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
             if not scene.can_turn(body) and body.name != scene.crank:
                 _add_angle_constraint(world, body.name, GROUND)
         for pin in scene.pins:
-            ends, sign = [(pin.second, pin.second_anchor), (pin.first, pin.first_anchor)], -1.0
-            if pin.first == GROUND:
-                ends, sign = ends[::-1], 1.0
+            ends, sign = (pin.ends, 1.0) if pin.first == GROUND else (pin.ends[::-1], -1.0)
             is_shaft = not world.motions and {pin.first, pin.second} == {GROUND, scene.crank}
             kind, motion = ("revolute", DRIVE) if is_shaft else ("point_in_line", "")
             world.sources[pin.name] = (
@@ -176,7 +174,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
             "joints": world.joints,
             "motions": world.motions,
             "angles": [body.angle for body in given.bodies],
-            "forces": {joint.name: world.sources[joint.name] for joint in (*given.pins, *given.guided)},
+            "forces": {joint.name: world.sources[joint.name] for joint in given.joints},
             "line": world.line,
         }
 

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module, metadata
+from importlib import metadata
 from importlib.metadata import EntryPoint, entry_points
 from typing import Final
 
@@ -129,11 +129,7 @@ def why_unavailable(adapter: Engine) -> str | None:
         if not isinstance(reason, str | None):
             raise PluginError(f"expected why_unavailable as text or None, got a {type(reason).__name__}")
         return reason
-    if adapter.version() is not None:
-        return None
-    ours = _is_ours(type(adapter).__module__)
-    cure = f"install it with: {install_words(adapter.name)}" if ours else "install it"
-    return f"engine '{adapter.name}' is not installed: {cure}"
+    return None if adapter.version() is not None else f"engine '{adapter.name}' is not installed: install it"
 
 
 def _load_adapter(entry: EntryPoint) -> Engine:
@@ -180,45 +176,19 @@ def installed_version(name: str) -> str | None:
         return None
 
 
-def why_absent(package: str, extra: str = "") -> str | None:
-    """The reason why a package cannot be imported, with the cure; None where it can, and then it is imported.
-
-    A failed import inside an installed package is raised. ``extra`` is the extra that brings the package, by default of
-    its name.
-    """
-    try:
-        import_module(package)
-    except ModuleNotFoundError as error:
-        if error.name != package:
-            raise
-        return _not_installed_sentence(package, extra)
-    return None
-
-
-def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
+def why_unusable(package: str, extra: str, oldest: str = "") -> str | None:
     """The reason, with the cure, why an engine cannot be used, by its package's metadata; None where it can.
 
-    Nothing is imported. ``extra`` is as in ``why_absent``, ``oldest`` the first version that will do, "" for any.
+    Nothing is imported. ``extra`` is the extra of linkproof that brings the package, if there is one of that name,
+    ``oldest`` the first version that will do, "" for any.
     """
     version = installed_version(package)
-    if version is None:
-        return _not_installed_sentence(package, extra)
-    if _version_numbers(version) >= _version_numbers(oldest):
+    if version is not None and _version_numbers(version) >= _version_numbers(oldest):
         return None
-    return f"{package} {version} is too old, {oldest} is the first that will do: {_how_to_install(package, extra)}"
-
-
-def _not_installed_sentence(package: str, extra: str) -> str:
-    """The sentence that a package is not installed, and how to install it."""
-    return f"{package} is not installed: {_how_to_install(package, extra)}"
-
-
-def _how_to_install(package: str, extra: str) -> str:
-    """The command that installs a package, by linkproof's ``extra`` if there is one, as the end of a sentence."""
-    wanted = extra or package
-    is_extra = wanted in (metadata.metadata("linkproof").get_all("Provides-Extra") or ())
-    command = install_words(wanted) if is_extra else f"pip install '{package}'"
-    return f"{command.replace('install ', 'install --upgrade ', 1)} brings it"
+    is_extra = extra in (metadata.metadata("linkproof").get_all("Provides-Extra") or ())
+    command = install_words(extra) if is_extra else f"pip install '{package}'"
+    fault = "is not installed" if version is None else f"{version} is too old, {oldest} is the first that will do"
+    return f"{package} {fault}: {command.replace('install ', 'install --upgrade ', 1)} brings it"
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:

@@ -51,8 +51,25 @@ class Body:
     angular_acceleration: Annotated[float, Kind.ANGULAR_ACCELERATION]
 
 
+End = tuple[str, Vector]  # a body, or the ground, by its name, and a point of it in its frame
+
+
+class TwoPoints:
+    """What acts between a point of one body and a point of another; either may be the ground."""
+
+    first: str
+    second: str
+    first_anchor: Position
+    second_anchor: Position
+
+    @property
+    def ends(self) -> tuple[End, End]:
+        """The first body and the point on it, then the second."""
+        return (self.first, self.first_anchor), (self.second, self.second_anchor)
+
+
 @dataclass(frozen=True)
-class PinJoint:
+class PinJoint(TwoPoints):
     """Revolute joint between two bodies; anchors in body frames, in ground coordinates for the ground.
 
     The joint force is the force the joint exerts on ``first``.
@@ -75,6 +92,11 @@ class GuidedJoint:
     host: str
     through: Position
     along: Direction
+
+    @property
+    def ends(self) -> tuple[End, End]:
+        """The body and its point, then the host and the point that the line goes through."""
+        return (self.body, self.anchor), (self.host, self.through)
 
 
 class SliderJoint(GuidedJoint):
@@ -105,8 +127,8 @@ class AppliedTorque:
 
 
 @dataclass(frozen=True)
-class PointSpring:
-    """Linear spring and dashpot between two anchors (either body may be the ground)."""
+class PointSpring(TwoPoints):
+    """Linear spring and dashpot between two anchors."""
 
     first: str
     second: str
@@ -140,8 +162,8 @@ class TurnSpring:
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """A massless driver between two anchors (either body may be the ground): its length is φ.
+class Cylinder(TwoPoints):
+    """A massless driver between two anchors: its length is φ.
 
     Its force is positive where it pushes the two apart; it acts on ``first`` along the line from the second anchor.
     """
@@ -256,22 +278,22 @@ class Scene:
         return next(slider for slider in self.sliders if slider.body == self.crank)
 
     @property
-    def driver_ends(self) -> tuple[str, str, Vector, Vector]:
-        """The bodies at the first and second end of a linear driver, and the anchors there, m.
+    def driver_ends(self) -> tuple[End, End]:
+        """The two ends of a linear driver; not for a crank.
 
-        φ counts from the second anchor to the first, along the guide of a slider or along the cylinder. Not for a
-        crank.
+        φ counts from the second anchor to the first, along the guide of a slider or along the cylinder.
         """
-        if self.cylinder is not None:
-            ends = self.cylinder
-            return ends.first, ends.second, ends.first_anchor, ends.second_anchor
-        slider = self.driven_slider
-        return slider.body, slider.host, slider.anchor, slider.through
+        return (self.cylinder or self.driven_slider).ends
 
     @property
     def guided(self) -> tuple[SliderJoint | SlotJoint, ...]:
         """The joints that keep a point of a body on a line of its host: sliders, then slots."""
         return (*self.sliders, *self.slots)
+
+    @property
+    def joints(self) -> tuple[PinJoint | SliderJoint | SlotJoint, ...]:
+        """All joints: pins, sliders, slots."""
+        return (*self.pins, *self.guided)
 
     def can_turn(self, body: Body) -> bool:
         """Whether a body can turn: it has an inertia and does not slide on something that cannot."""

@@ -18,21 +18,18 @@ from typing import Any
 
 from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, ReadOut, Setting
-from engines.mechanics.spanning_tree import Branch, SpanningTree, cylinder_as_links, ends, spanning_tree
+from engines.mechanics.spanning_tree import Branch, SpanningTree, cylinder_as_links, spanning_tree
 from engines.scene import (
     GUIDES,
     LOADS,
     Body,
     Channel,
-    Cylinder,
     Free,
     PinJoint,
-    PointSpring,
     Prescribed,
     Scene,
     SliderJoint,
     SlotJoint,
-    TurnDamper,
 )
 from engines.stepping.stepped_engine import LoopEngine, PlainLaw, Recipe, plain_law
 
@@ -88,6 +85,7 @@ class SimbodyModel:
 
     def as_data(self, recipe: SimbodyRecipe) -> dict[str, Any]:
         """The model as plain data: bodies, cuts, springs, loads, drive and read-outs."""
+        numbers = self.numbers
         return {
             "gravity": self.scene.gravity,
             "tolerance": recipe.effort,
@@ -95,16 +93,12 @@ class SimbodyModel:
             "bodies": [self.body_data(branch) for branch in self.tree.branches],
             "cuts": [self.cut_data(cut) for cut in self.tree.cuts],
             "springs": [*self.springs()],
-            "dampers": [(*self.body_numbers(damper), damper.coefficient) for damper in self.scene.dampers],
+            "dampers": [(numbers[each.first], numbers[each.second], each.coefficient) for each in self.scene.dampers],
             "loads": [*self.loads()],
             "read": [self.readout_data(body) for body in self.scene.bodies],
             "joints": self.joints(),
             "drive": self.drive(),
         }
-
-    def body_numbers(self, item: PointSpring | TurnDamper | Cylinder) -> tuple[int, int]:
-        """Numbers of the two bodies that a spring, damper or cylinder connects."""
-        return self.numbers[item.first], self.numbers[item.second]
 
     def body_data(self, branch: Branch) -> dict[str, Any]:
         """A body and the joint that puts it on its parent; a slider is along the first axis of both its frames."""
@@ -123,8 +117,8 @@ class SimbodyModel:
     def cut_data(self, cut: PinJoint | SliderJoint | SlotJoint) -> dict[str, Any]:
         """The data of a joint that closes a loop, with the body that carries both of its bodies."""
         return {
-            "bodies": [self.numbers[body] for body, _ in ends(cut)],
-            "anchors": [anchor for _, anchor in ends(cut)],
+            "bodies": [self.numbers[body] for body, _ in cut.ends],
+            "anchors": [anchor for _, anchor in cut.ends],
             "along": None if isinstance(cut, PinJoint) else cut.along,
             "carrier": self.numbers[self.tree.carrier(cut)],
         }
@@ -135,19 +129,14 @@ class SimbodyModel:
         The text is an expression of length and rate, ``d`` and ``ddot``.
         """
         scene = self.scene
-        for spring in scene.springs:
-            law = f"{spring.stiffness:.17g} * (d - {spring.length:.17g}) + {spring.damping:.17g} * ddot"
-            first, second = self.body_numbers(spring)
-            yield first, spring.first_anchor, second, spring.second_anchor, law
+        springs = [
+            (each.ends, f"{each.stiffness:.17g} * (d - {each.length:.17g}) + {each.damping:.17g} * ddot")
+            for each in scene.springs
+        ]
         if isinstance(scene.drive, Free) and scene.cylinder is not None:
-            first, second = self.body_numbers(scene.cylinder)
-            yield (
-                first,
-                scene.cylinder.first_anchor,
-                second,
-                scene.cylinder.second_anchor,
-                f"-({scene.drive.torque:.17g})",
-            )
+            springs.append((scene.cylinder.ends, f"-({scene.drive.torque:.17g})"))
+        for ((first, here), (second, there)), law in springs:
+            yield self.numbers[first], here, self.numbers[second], there, law
 
     def loads(self) -> Iterator[tuple[int, Vector, PlainLaw | dict[str, Any]]]:
         """Yield loads as rows: body, anchor, and the plain law of a force, a torque or a free driver."""
@@ -178,7 +167,7 @@ class SimbodyModel:
             normal = (-guide.along[1], guide.along[0]) if isinstance(guide, SliderJoint) else None
             forces[branch.name] = (False, number, _sign_of_branch(branch), normal)
         forces |= {cut.name: (True, number, 1.0, None) for number, cut in enumerate(self.tree.cuts)}
-        return {joint.name: forces[joint.name] for joint in (*self.scene.pins, *self.scene.guided)}
+        return {joint.name: forces[joint.name] for joint in self.scene.joints}
 
     def drive(self) -> tuple[int, float, Vector | None]:
         """Number of the driven body, sign of its joint's force, and the drive's direction; None for a torque."""
@@ -226,14 +215,11 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
         It takes no loads over φ on a released crank, no linear force over time, and not every body without mass.
         """
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
-        if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
-            return "its forces follow time, so that a free crank can have none that changes with its angle"
-        if (
-            isinstance(scene.drive, Free)
-            and scene.drive.over_time is not None
-            and scene.driver_kind is not DriverKind.CRANK
-        ):
-            return "it takes no force of a linear drive that changes with time"
+        if isinstance(scene.drive, Free):
+            if not all(law.is_constant for law in laws):
+                return "its forces follow time, so that a free crank can have none that changes with its angle"
+            if scene.drive.over_time is not None and scene.driver_kind is not DriverKind.CRANK:
+                return "it takes no force of a linear drive that changes with time"
         tree = spanning_tree(cylinder_as_links(scene, 1.0))
         return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
@@ -255,8 +241,8 @@ def _weightless_end(tree: SpanningTree) -> str | None:
         body, joint = branch.body, branch.joint
         if body.name in parents or joint is None:
             continue
-        arm = dict(ends(joint))[body.name]
-        turning = (body.inertia or 0.0) + body.mass * (arm[0] ** 2 + arm[1] ** 2)
+        x, y = dict(joint.ends)[body.name]
+        turning = (body.inertia or 0.0) + body.mass * (x**2 + y**2)
         if not body.mass or (isinstance(joint, PinJoint) and not branch.rigid and not turning):
             return (
                 f"it holds a body without mass or inertia only between the ground and one that has both, and "

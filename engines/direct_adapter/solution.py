@@ -56,13 +56,6 @@ class Equations(JointEquations):
         except np.linalg.LinAlgError:
             raise UnsolvableError("the constraint equations are singular") from None
 
-    def violation(self, pose: Pose, coordinate: Reals) -> tuple[Reals, Reals]:
-        """Φ with the driver at ``coordinate`` (n,), rad or units, (n, rows), and the Jacobian G there."""
-        arms = self.arms(pose)
-        residual = self.residual(pose, arms)
-        residual[:, self.crank_row] = self.driven(pose, arms) - coordinate
-        return residual, self.jacobian(arms)
-
     def close_joints(self, pose: Pose, coordinate: Reals) -> Pose:
         """The poses with all joints closed, by Newton's method from poses that are near.
 
@@ -246,7 +239,7 @@ def reach(equations: Equations, low: float, high: float) -> Path:
     Of a path that shuts after a full turn, one turn. φ is in rad or units.
     """
     at_start = equations.start()
-    start = float(equations.driven(at_start, equations.arms(at_start))[0])
+    start = float(equations.driver.value(at_start)[0])
     if equations.driver.turns and high - low > FULL_TURN:
         end, above = _follow_path(equations, start, start + FULL_TURN)
         gained = equations.spread(above(np.array([end])))[0]

@@ -22,10 +22,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from analytic.description.linkage import GROUND, DriverKind, Vector
+from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, ReadOut, Setting
 from engines.mechanics.states import start_coordinate, start_motion
-from engines.scene import GUIDES, LOADS, Body, Channel, Free, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
+from engines.scene import GUIDES, LOADS, Body, Channel, End, Free, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping import stepped_engine
 from engines.stepping.stepped_engine import LoopEngine, plain_law
 
@@ -78,9 +78,8 @@ class ExudynModel:
         states[0] = np.zeros_like(states[0])  # coordinates are displacements from the start
         bodies, linear = [body.name for body in scene.bodies], None
         if scene.driver_kind is not DriverKind.CRANK:  # nodes, None of the ground, and anchors of its ends
-            ends = zip(scene.driver_ends[:2], scene.driver_ends[2:], strict=True)
             linear = {
-                "ends": [(self.nodes.get(body), complex(*anchor)) for body, anchor in ends],
+                "ends": [(self.nodes.get(body), complex(*anchor)) for body, anchor in scene.driver_ends],
                 "along": None if scene.cylinder else complex(*scene.driven_slider.along),
             }
         return {
@@ -124,9 +123,12 @@ class ExudynModel:
             return self.fixed
         return self._add_marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
 
-    def _point_marker(self, body: str, anchor: Vector) -> int:
-        """Add a marker of a body's point and orientation; returns its number."""
-        return self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
+    def _point_markers(self, *ends: End) -> list[int]:
+        """Add a marker of each body's point and orientation; returns their numbers."""
+        return [
+            self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
+            for body, anchor in ends
+        ]
 
     def _add_body(self, body: Body) -> None:
         """Add a body, with its weight if it has any; a body that cannot turn needs no inertia."""
@@ -145,8 +147,8 @@ class ExudynModel:
 
         Exudyn reports the force on its first marker's body, in the ground frame.
         """
-        markers = [self._point_marker(pin.first, pin.first_anchor), self._point_marker(pin.second, pin.second_anchor)]
-        self.joints[pin.name] = self._add_object("JointRevolute2D", markerNumbers=markers), None
+        item = self._add_object("JointRevolute2D", markerNumbers=self._point_markers(*pin.ends))
+        self.joints[pin.name] = item, None
 
     def _add_line(self, joint: GuidedJoint) -> None:
         """Add exudyn's prismatic joint and note it; a pin in a slot is one without its condition on the angle."""
@@ -154,7 +156,7 @@ class ExudynModel:
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
         item = self._add_object(
             "JointPrismatic2D",
-            markerNumbers=[self._point_marker(joint.body, joint.anchor), self._point_marker(joint.host, joint.through)],
+            markerNumbers=self._point_markers(*joint.ends),
             axisMarker0=[c * x - s * y, s * x + c * y, 0.0],
             normalMarker1=[-y, x, 0.0],
             constrainRotation=isinstance(joint, SliderJoint),
@@ -163,8 +165,9 @@ class ExudynModel:
 
     def _add_loads(self) -> None:
         """Add the applied forces and torques; one that varies reads φ at every evaluation."""
-        loads = [("ForceVector", self._point_marker(load.body, load.anchor), load.force) for load in self.scene.forces]
-        loads += [("Coordinate", self._angle_marker(load.body), load.torque) for load in self.scene.torques]
+        forces, torques = self.scene.forces, self.scene.torques
+        loads = [("ForceVector", self._point_markers((load.body, load.anchor))[0], load.force) for load in forces]
+        loads += [("Coordinate", self._angle_marker(load.body), load.torque) for load in torques]
         for kind, marker, law in loads:
             values = plain_law(law)
             if not law.is_constant:
@@ -177,13 +180,9 @@ class ExudynModel:
     def _add_springs(self) -> None:
         """Add the springs between points, with their dashpots, and the dampers between bodies."""
         for spring in self.scene.springs:
-            ends = [
-                self._point_marker(spring.first, spring.first_anchor),
-                self._point_marker(spring.second, spring.second_anchor),
-            ]
             self._add_object(
                 "ConnectorSpringDamper",
-                markerNumbers=ends,
+                markerNumbers=self._point_markers(*spring.ends),
                 stiffness=spring.stiffness,
                 damping=spring.damping,
                 referenceLength=spring.length,
@@ -201,7 +200,7 @@ class ExudynModel:
                 markers = [self.fixed, self._angle_marker(scene.crank)]
                 self.driver = self._add_object("ConnectorCoordinate", markerNumbers=markers)
             else:
-                nodes = [self.nodes.get(body, self.ground) for body in scene.driver_ends[:2]]
+                nodes = [self.nodes.get(body, self.ground) for body, _ in scene.driver_ends]
                 markers = [self._add_marker("NodeCoordinates", nodeNumber=node) for node in nodes]
                 self.driver = self._add_object("ConnectorCoordinateVector", ("gap", "", None), markerNumbers=markers)
             return
@@ -213,7 +212,7 @@ class ExudynModel:
             if times:
                 self._add_load("Coordinate", crank, ("time", USER_FUNCTIONS["Coordinate"], (0.0, times, [1.0])))
             return
-        ends = [self._point_marker(*end) for end in zip(scene.driver_ends[:2], scene.driver_ends[2:], strict=True)]
+        ends = self._point_markers(*scene.driver_ends)
         if scene.cylinder is not None:
             pull = ("time", "springForceUserFunction", (drive.torque, times, [-1.0]))
             self._add_object("ConnectorSpringDamper", pull, markerNumbers=ends)

@@ -74,18 +74,12 @@ class JointEquations:
         self.geared = [(slider.body, slider.host) for slider in scene.sliders] if geared is None else geared
         self.index = body_numbers(scene)
         self.pins, self.lines = len(scene.pins), len(scene.guided)
-        self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in scene.guided))
-        self.body = self._numbers([*(pin.first for pin in scene.pins), *(line.body for line in scene.guided)])
-        self.host = self._numbers([*(pin.second for pin in scene.pins), *(line.host for line in scene.guided)])
-        body_anchor = _vector_array(
-            [*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in scene.guided)]
-        )
-        host_anchor = _vector_array(
-            [*(pin.second_anchor for pin in scene.pins), *(line.through for line in scene.guided)]
-        )
+        self.joints = tuple(joint.name for joint in scene.joints)
+        ends = [[joint.ends[side] for joint in scene.joints] for side in (0, 1)]
+        self.body, self.host = (self._numbers([body for body, _ in side]) for side in ends)
         self.unit = _power_of_two(scene_size(scene)) if unit is None else unit
         self.metres = np.array([self.unit, self.unit, 1.0])  # factors from units and rad to m and rad
-        self.body_anchor, self.host_anchor = body_anchor / self.unit, host_anchor / self.unit
+        self.body_anchor, self.host_anchor = (_vector_array([place for _, place in side]) / self.unit for side in ends)
         self.along = _vector_array([line.along for line in scene.guided])
         self.driver = Driver(scene, self.unit)
         self._count_coordinates()
@@ -120,8 +114,6 @@ class JointEquations:
         )
         self.crank_row = int(starts[-1])
         self.rows = self.crank_row + 1
-        self.crank = self.driver.crank
-        self.crank_column = int(self.column[self.crank, 2]) if self.driver.turns else self.size
 
     def _can_turn(self, name: str) -> bool:
         """Whether a body, by its name, has an angle among the free coordinates."""
@@ -137,7 +129,7 @@ class JointEquations:
         entries[self.turn_rows, self.column[self.turn_body, 2]] = 1.0
         entries[self.turn_rows, self.column[self.turn_host, 2]] = -1.0
         if self.driver.turns:
-            entries[self.crank_row, self.crank_column] = 1.0
+            entries[self.crank_row, self.column[self.driver.crank, 2]] = 1.0
         return entries
 
     def arms(self, pose: Pose) -> Arms:
@@ -149,7 +141,7 @@ class JointEquations:
     def residual(self, pose: Pose, arms: Arms) -> Reals:
         """The residual Φ of the equations, (n, rows): lengths in units, angles by their sine.
 
-        The driver's row is 0, since poses are made with the driver where the drive has it (``driven``).
+        The driver's row is 0, since poses are made with the driver where the drive has it (``violation`` has it).
         """
         result = np.zeros((len(pose.place), self.rows), dtype=pose.place.dtype)
         result[:, self.x_rows], result[:, self.y_rows] = arms.gap[:, : self.pins, 0], arms.gap[:, : self.pins, 1]
@@ -160,10 +152,6 @@ class JointEquations:
             s = pose.sine[:, body] * pose.cosine[:, host] - pose.cosine[:, body] * pose.sine[:, host]
             result[:, self.turn_rows] = s * self.turn_cosine - c * self.turn_sine
         return result
-
-    def driven(self, pose: Pose, arms: Arms) -> Reals:
-        """φ of the driver at a pose, (n,), rad or units."""
-        return pose.angle[:, self.crank] if arms.driver is None else arms.driver.length
 
     def jacobian(self, arms: Arms) -> Reals:
         """The Jacobian G of the equations, (n, rows, coordinates), for these joint vectors."""
@@ -187,6 +175,13 @@ class JointEquations:
         if arms.driver is not None:
             entries[:, self.crank_row, : self.size] = self.gather(self.driver.gradient(arms.driver, len(entries)))
         return entries[:, :, : self.size]
+
+    def violation(self, pose: Pose, coordinate: Reals) -> tuple[Reals, Reals]:
+        """Φ with the driver at ``coordinate`` (n,), rad or units, (n, rows), and the Jacobian G there."""
+        arms = self.arms(pose)
+        residual = self.residual(pose, arms)
+        residual[:, self.crank_row] = self.driver.value(pose) - coordinate
+        return residual, self.jacobian(arms)
 
     def bend(self, arms: Arms, rate: Reals) -> Reals:
         """The part γ (n, rows) of G q̈ that follows from the rates (n, bodies, 3); the driver's ε is left out."""
@@ -245,9 +240,8 @@ class JointEquations:
 
 def scene_size(scene: Scene) -> float:
     """Largest distance, m, of a pin from the mass centre of its body, the scale for gaps; 1 without any."""
-    anchors = [pin.first_anchor for pin in scene.pins]
-    anchors += [pin.second_anchor for pin in scene.pins if pin.second != GROUND]
-    return max((math.hypot(*anchor) for anchor in anchors), default=0.0) or 1.0
+    arms = (math.hypot(*anchor) for pin in scene.pins for body, anchor in pin.ends if body != GROUND)
+    return max(arms, default=0.0) or 1.0
 
 
 def _vector_array(pairs: list[Vector]) -> Reals:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.joints import scene_size
-from engines.scene import Body, Cylinder, PinJoint, Scene, SliderJoint, SlotJoint
+from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
 
 AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground
 
@@ -47,7 +47,8 @@ class Branch:
     def points(self) -> tuple[Vector, Vector]:
         """The joint's points on the parent and on the body, body frames."""
         assert self.joint is not None
-        return anchors(self.joint) if self.reverse else anchors(self.joint)[::-1]
+        points = dict(self.joint.ends)
+        return points[self.parent], points[self.body.name]
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class SpanningTree:
 
     def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
         """The body, or the ground, nearest to both ends of a cut joint on their ways to the ground."""
-        first, second = (self._chain(end) for end in _joined_bodies(cut))
+        first, second = (self._chain(body) for body, _ in cut.ends)
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
@@ -100,18 +101,18 @@ def spanning_tree(scene: Scene) -> SpanningTree:
 
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
         """The sort key by which open joints become branches: smaller first."""
-        ends = _joined_bodies(joint)
+        ends = dict(joint.ends)
         pinned = isinstance(joint, PinJoint)
         misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
         nearest = min(depth[end] for end in ends if end in depth)
         return misplaced, set(ends) != {scene.crank, GROUND}, pinned, nearest
 
     while len(branches) < len(bodies):
-        open_joints = [joint for joint in left if len(depth.keys() & _joined_bodies(joint)) == 1]
+        open_joints = [joint for joint in left if len(depth.keys() & dict(joint.ends)) == 1]
         if open_joints:
             joint = min(open_joints, key=rank)
             left.remove(joint)
-            first, second = _joined_bodies(joint)
+            first, second = dict(joint.ends)
             body, parent = (second, first) if first in depth else (first, second)
             branch = _branch(bodies[body], carried[parent], joint, reverse=parent == first)
         else:
@@ -156,9 +157,9 @@ def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bo
         rigid = body.inertia is None
         return Branch(body, parent.name, joint, reverse, rigid, turn, rate, (turn, 0.0) if rigid else (0.0, 0.0))
     along = complex(*joint.along) * cmath.rect(1.0, (body if reverse else parent).angle)
-    points = anchors(joint)[::-1] if reverse else anchors(joint)
-    ends = zip(point_motion(body, points[0]), point_motion(parent, points[1]), strict=True)
-    value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in ends)
+    points = dict(joint.ends)
+    motions = zip(point_motion(body, points[body.name]), point_motion(parent, points[parent.name]), strict=True)
+    value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in motions)
     tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
     return Branch(body, parent.name, joint, reverse, False, value, speed, tilts)
 
@@ -167,24 +168,6 @@ def point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
     """Position, m, and velocity, m/s, of a point of a body at the start, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
-
-
-def ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
-    """For each of a joint's bodies, the first one first, its name and the joint's point on it."""
-    (first, second), (on_first, on_second) = _joined_bodies(joint), anchors(joint)
-    return (first, on_first), (second, on_second)
-
-
-def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
-    """The joint's points on its first and its second body, body frames."""
-    if isinstance(joint, PinJoint):
-        return joint.first_anchor, joint.second_anchor
-    return joint.anchor, joint.through
-
-
-def _joined_bodies(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
-    """Names of a joint's two bodies."""
-    return (joint.first, joint.second) if isinstance(joint, PinJoint) else (joint.body, joint.host)
 
 
 # A cylinder as a barrel and a rod, for engines that prescribe a joint's coordinate and no distance of two points.
@@ -199,19 +182,14 @@ def cylinder_as_links(scene: Scene, mass: float) -> Scene:
     Each has the given mass, kg, at its pin, and turns; the slider ROD between them has the cylinder's length as its
     travel. The ends are exchanged if the first is on the ground. A scene without a cylinder comes back as it is.
     """
-    ends = scene.cylinder
-    if ends is None:
+    if scene.cylinder is None:
         return scene
-    if (
-        ends.first == GROUND
-    ):  # length and force are the same from either end, and the rod is to be carried by the barrel
-        ends = Cylinder(ends.second, ends.first, ends.second_anchor, ends.first_anchor)
-        return cylinder_as_links(replace(scene, cylinder=ends), mass)
+    ends = scene.cylinder.ends
+    if ends[0][0] == GROUND:  # length and force are the same from either end, and the rod is carried by the barrel
+        ends = ends[::-1]
     bodies, still = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}, (0.0, 0.0)
-    (here, speed), (there, other_speed) = (
-        point_motion(bodies[body], anchor)
-        for body, anchor in ((ends.first, ends.first_anchor), (ends.second, ends.second_anchor))
-    )
+    (here, speed), (there, other_speed) = (point_motion(bodies[body], anchor) for body, anchor in ends)
+    (first, on_first), (second, on_second) = ends
     span = here - there
     angle, turning = cmath.phase(span), ((speed - other_speed) / span).imag
     inertia = mass * scene_size(scene) ** 2
@@ -226,8 +204,8 @@ def cylinder_as_links(scene: Scene, mass: float) -> Scene:
         bodies=(*scene.bodies, barrel, rod),
         pins=(
             *scene.pins,
-            PinJoint(BARREL, BARREL, ends.second, (0.0, 0.0), ends.second_anchor),
-            PinJoint(f"{ROD}'s pin", ROD, ends.first, (0.0, 0.0), ends.first_anchor),
+            PinJoint(BARREL, BARREL, second, (0.0, 0.0), on_second),
+            PinJoint(f"{ROD}'s pin", ROD, first, (0.0, 0.0), on_first),
         ),
         sliders=(*scene.sliders, SliderJoint(ROD, ROD, (0.0, 0.0), BARREL, (0.0, 0.0), (1.0, 0.0))),
     )

@@ -139,16 +139,15 @@ def _data_faults(scene: Scene, least: float) -> Iterator[str]:
     turns = scene.driver_kind is DriverKind.CRANK
     if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         yield f"the crank '{scene.crank}' has no inertia, so that it cannot turn"
-    joints = (*scene.pins, *scene.guided)
     cylinders = [scene.cylinder] if scene.cylinder else []
-    parts: tuple[object, ...] = (*scene.bodies, *joints, *scene.loads, *cylinders, scene.drive)
+    parts: tuple[object, ...] = (*scene.bodies, *scene.joints, *scene.loads, *cylinders, scene.drive)
     for part in parts:
         yield from (
             f"{_label(part)} names a body '{end}' that is not in the scene" for end in _named_bodies(part) - known
         )
         if not _has_usable_numbers(part):
             yield f"{_label(part)} has a number that is not finite"
-    pairs = (*joints, *cylinders)
+    pairs = (*scene.joints, *cylinders)
     yield from (f"{_label(joint)} joins a body to itself" for joint in pairs if len(_named_bodies(joint)) == 1)
     yield from (f"{_label(j)} has a line without a direction" for j in scene.guided if j.along == (0.0, 0.0))
     bodies = {body.name: body for body in scene.bodies}

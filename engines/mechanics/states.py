@@ -161,7 +161,7 @@ class Driver:
         if self.turns:
             self.crank = numbers[scene.crank]
             return
-        first, second, here, there = scene.driver_ends
+        (first, here), (second, there) = scene.driver_ends
         self.crank = -1
         self.ends = np.array([numbers[first], numbers[second]], dtype=np.intp)
         self.anchors = np.array([here, there], dtype=float) / unit

@@ -55,7 +55,7 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
     gears = [
         ("GearJoint", numbers[host], numbers[body], angles[body] - angles[host], 1.0) for body, host in layout.gears
     ]
-    of_scene = {joint.name for joint in (*scene.pins, *scene.guided)}
+    of_scene = {joint.name for joint in scene.joints}
     torques = [(numbers[load.body], (0.0, 0.0), plain_law(load.torque)) for load in parts.torques]
     return {
         "centred": centred,
@@ -67,9 +67,7 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
         "start": start_coordinate(scene),
         "crank": numbers.get(scene.crank),
         "constraints": [*pins, *grooves, *gears],
-        "joints": {
-            joint.name: number for number, joint in enumerate((*parts.pins, *parts.guided)) if joint.name in of_scene
-        },
+        "joints": {joint.name: number for number, joint in enumerate(parts.joints) if joint.name in of_scene},
         "springs": [
             (numbers[each.first], numbers[each.second], each.first_anchor, each.second_anchor, *rest)
             for each in parts.springs
@@ -90,7 +88,7 @@ def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]
     """
     drive, line, base = scene.drive, None, 0.0
     if scene.driver_kind is not DriverKind.CRANK:
-        first, second, here, there = scene.driver_ends
+        (first, here), (second, there) = scene.driver_ends
         if scene.cylinder is None:
             base, along = BEHIND * size, scene.driven_slider.along
             there = there[0] - base * along[0], there[1] - base * along[1]
@@ -179,17 +177,15 @@ def driver_travel(scene: Scene) -> float:
 def poses_of(equations: JointEquations) -> list[Pose]:
     """The poses of the parts along the motion, that of the start first, up to the first where joints do not close."""
     pose = equations.start()
-    start = equations.driven(pose, equations.arms(pose))
+    start = equations.driver.value(pose)
     poses = [pose]
     for travel in driver_travel(equations.scene) / equations.driver.scale * np.arange(1, POSES + 1) / POSES:
         for _ in range(CORRECTIONS):
-            arms = equations.arms(pose)
-            residual = equations.residual(pose, arms)
-            residual[:, equations.crank_row] = equations.driven(pose, arms) - start - travel
+            residual, matrix = equations.violation(pose, start + travel)
             if np.abs(residual).max() < CLOSED:
                 break
             try:
-                change = np.linalg.solve(equations.jacobian(arms), -residual[..., None])[..., 0]
+                change = np.linalg.solve(matrix, -residual[..., None])[..., 0]
             except np.linalg.LinAlgError:
                 return poses
             pose = pose.moved(equations.spread(change))

@@ -137,9 +137,7 @@ def exact_layout(scene: Scene) -> PartLayout:
     for pin in scene.pins:
         if GROUND not in (pin.first, pin.second):
             continue
-        name, pivot, foot = pin.second, pin.second_anchor, pin.first_anchor
-        if pin.second == GROUND:
-            name, pivot, foot = pin.first, pin.first_anchor, pin.second_anchor
+        (name, pivot), (_, foot) = pin.ends if pin.second == GROUND else pin.ends[::-1]
         if parts[name].inertia is None or any(lift.second == name for lift in lifts):
             continue
         before = parts[name].mass
@@ -183,7 +181,7 @@ def _layout_of_parts(
 
     def fastened(joint: Fastened) -> Fastened:
         """A pin, spring or damper with its anchors from the parts' own centres."""
-        first, second = place(joint.first, joint.first_anchor), place(joint.second, joint.second_anchor)
+        first, second = (place(*end) for end in joint.ends)
         return replace(joint, first_anchor=first, second_anchor=second)
 
     def grooved(joint: Groove) -> Groove:
@@ -247,6 +245,5 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 def reach(scene: Scene) -> float:
     """A length, m, beyond which no joint of the scene can travel: all anchors and start positions added up."""
-    anchors = [a for p in scene.pins for a in (p.first_anchor, p.second_anchor)]
-    anchors += [a for j in scene.guided for a in (j.anchor, j.through)]
+    anchors = [anchor for joint in scene.joints for _, anchor in joint.ends]
     return sum(math.hypot(*v) for v in (*anchors, *(body.position for body in scene.bodies)))

@@ -23,7 +23,7 @@ from engines.contract import Abilities, History, Method, Outcome, Run, Setting, 
 from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import driven, start_motion
-from engines.registry import installed_version, silenced, why_absent, why_unusable
+from engines.registry import installed_version, silenced, why_unusable
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.intervals import (
     MANY,
@@ -215,9 +215,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         An engine that chatters is silenced.
         """
         with silenced() if self.chatters else nullcontext():  # some write when they are imported
-            absent = self.why_unavailable() or why_absent(self.package, self.name)
+            absent = self.why_unavailable()
             if absent is not None:
                 return Run(Outcome.UNAVAILABLE, absent)
+            import_module(self.package)  # whose time is not that of a model
             reason = self.obstacle(scene)
             if reason is not None:
                 return Run(Outcome.UNSUPPORTED, reason)

@@ -39,8 +39,9 @@ def test_output_of_an_engine_is_written_nowhere():
 
 def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(monkeypatch):
     adapter, model = engine("pymunk"), driven(mechanism("juki-mf7923d"), crank_motion())
-    monkeypatch.setitem(sys.modules, "pymunk", None)
-    run = adapter.run(model, Setting.TUNED)
+    with monkeypatch.context() as absent:
+        absent.setattr(type(adapter), "distribution", "no-such-package")
+        run = adapter.run(model, Setting.TUNED)
     assert (run.outcome, "pip install" in run.reason) == (Outcome.UNAVAILABLE, True)
 
     class Broken:
@@ -48,7 +49,7 @@ def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(mo
             if name == "pymunk":
                 raise ModuleNotFoundError("No module named 'slip_of_the_pen'", name="slip_of_the_pen")
 
-    monkeypatch.delitem(sys.modules, "pymunk")
+    monkeypatch.delitem(sys.modules, "pymunk", raising=False)
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
     with pytest.raises(ModuleNotFoundError, match="slip_of_the_pen"):
         adapter.run(model, Setting.TUNED)

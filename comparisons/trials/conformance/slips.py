@@ -117,10 +117,9 @@ def _factor_words(factor: float) -> str:
 
 def _bodies(reading: Reading) -> list[str]:
     """Names of the bodies in whose frame a vector may be read by mistake: those of a joint, or its own; no ground."""
-    ends = {pin.name: (pin.first, pin.second) for pin in reading.scene.pins}
-    ends |= {joint.name: (joint.body, joint.host) for joint in reading.scene.guided}
-    bodies = ends[reading.name] if reading.channel is Channel.JOINT_FORCE else (reading.name,)
-    return [end for end in bodies if end != GROUND]
+    joints = {joint.name: joint.ends for joint in reading.scene.joints}
+    bodies = dict(joints[reading.name]) if reading.channel is Channel.JOINT_FORCE else (reading.name,)
+    return [body for body in bodies if body != GROUND]
 
 
 def _in_body_frame(reading: Reading, body: str) -> Array:
@@ -132,9 +131,8 @@ def _in_body_frame(reading: Reading, body: str) -> Array:
 
 def _anchors(reading: Reading) -> dict[str, tuple[float, float]]:
     """Places of a body's joints in its frame, m, by joint; {} for a force."""
-    sides = [(pin.name, pin.first, pin.first_anchor) for pin in reading.scene.pins]
-    sides += [(pin.name, pin.second, pin.second_anchor) for pin in reading.scene.pins]
-    sides += [(joint.name, joint.body, joint.anchor) for joint in reading.scene.guided]
+    sides = [(pin.name, *end) for pin in reading.scene.pins for end in pin.ends]
+    sides += [(joint.name, *joint.ends[0]) for joint in reading.scene.guided]
     return {name: at for name, body, at in sides if body == reading.name}
 
 

@@ -238,11 +238,10 @@ def _mean_force(motion: ObservedMotion, time: Array) -> Array:
     scene = motion.scene
     loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
     total = np.mean(np.sum(loads, axis=1), axis=0)
-    ends = {pin.name: (pin.first, pin.second) for pin in scene.pins}
-    ends |= {joint.name: (joint.body, joint.host) for joint in scene.guided}
-    for name, (first, second) in ends.items():
+    for joint in scene.joints:
+        first, second = dict(joint.ends)
         if GROUND in (first, second):
-            read = motion.history.joint_force[name]
+            read = motion.history.joint_force[joint.name]
             clear = is_off_jumps(read.time, motion.jumps)
             force = resample_piecewise(Signal(read.time[clear], read.values[clear]), time, motion.jumps, MEAN_POINTS)
             total = total + np.mean(force, axis=0) * (-1.0 if first == GROUND else 1.0)
@@ -404,7 +403,7 @@ def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
     """
     lacking = [channel.value for channel in invariant.needs if not motion.has(channel)]
     if invariant.of_forces and not lacking:
-        forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
+        forces, joints = motion.history.joint_force, motion.scene.joints
         if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
             return "direction of joint forces"
     return ", ".join(lacking)

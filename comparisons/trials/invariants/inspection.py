@@ -148,7 +148,7 @@ class Corrected:
         if order not in self._corrections:
             if order == 0:
                 residual = self.equations.residual(*self._observed_pose)
-                residual[:, self.equations.crank_row] = self.equations.driven(*self._observed_pose)
+                residual[:, self.equations.crank_row] = self.equations.driver.value(self._observed_pose[0])
             else:
                 residual = self._rates(order)
             if order == 2:
@@ -201,7 +201,7 @@ class Corrected:
         if isinstance(drive, Prescribed):
             return (drive.motion.angle, drive.motion.speed, drive.motion.acceleration)[order](self.time) / scale
         if order == 0:
-            return np.asarray(self.equations.driven(*self._observed_pose), dtype=float)
+            return np.asarray(self.equations.driver.value(self._observed_pose[0]), dtype=float)
         bend = (
             self.equations.bend(self._corrected_pose[1], self.corrected(1))[:, self.equations.crank_row]
             if order > 1
@@ -481,7 +481,7 @@ class Inspection:
     def force_balance(self) -> Signal:
         """The largest difference of any joint's force from what balances the bodies, over its peak, over time."""
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
-        joints = [*self.motion.scene.pins, *self.motion.scene.guided]
+        joints = self.motion.scene.joints
         clocks = [claimed[joint.name].time for joint in joints]
         within = result.time >= max(clock[0] for clock in clocks)
         within &= result.time <= min(clock[-1] for clock in clocks)

@@ -212,7 +212,7 @@ def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
     if Channel.JOINT_FORCE in model.channels:
-        for joint in (*model.pins, *model.guided):
+        for joint in model.joints:
             yield f"the force of joint {joint.name}", history.joint_force.get(joint.name) if history else None
 
 
