@@ -163,7 +163,7 @@ def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = No
         chosen=None if chosen is None else curves.table(curves.truth_at(chosen)),
         positions=positions_over_motion(curves),
         motion=curves.case.motion if isinstance(curves.case.motion, CrankMotion) else None,
-        required=_required_feed(curves),
+        required=required_feed(curves),
         open_end_warning=_open_end_warning(curves, peaks),
     )
     return result.without_rounded_figures()
@@ -175,17 +175,6 @@ def _open_end_warning(curves: Curves, peaks: Mapping[str, SignalFigure]) -> str:
         end for end in curves.open_ends if any(peak.phi is not None and end.has(peak.phi) for peak in peaks.values())
     ]
     return open_end_warning(curves.case.mechanism, ends) if ends else ""
-
-
-def _required_feed(curves: Curves) -> dict[str, Array]:
-    """φ, rad, the feed, m, that the file requires there, and the actual one, by name; {} if it requires none.
-
-    {} too where the thread has no feed.
-    """
-    path = curves.linkage.thread
-    if path is None or not path.required or THREAD_FEED not in curves.names:
-        return {}
-    return dict(zip(("phi", "required", "actual"), required_feed(curves.case.mechanism, path), strict=True))
 
 
 def _signals_besides_bodies(curves: Curves) -> list[str]:

@@ -13,7 +13,7 @@ import numpy as np
 from analytic.description.crank_motion import LARGEST, REGIMES, RPM, CrankMotion, Segment, crank_motion
 from analytic.description.diagnosis import Source
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage, ThreadPath
+from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.description.schema import Published
 from analytic.description.units import conversion
@@ -223,19 +223,24 @@ def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
     for what, (time, values) in points.items():
         yield from (curves.figure(what, name, value, time) for name, value in zip(both, values, strict=True))
     yield curves.figure("range of the feed", THREAD_FEED, points["largest feed"][1][0] - points["least feed"][1][0])
-    if path.required:
-        phi, required, actual = required_feed(curves.case.mechanism, path)
-        apart = actual - required
+    if required := required_feed(curves):
+        apart = required["actual"] - required["required"]
         worst = int(np.argmax(np.abs(apart)))
         largest = curves.figure("farthest from required", THREAD_FEED, apart[worst])
-        yield replace(largest, phi=float(phi[worst]))
+        yield replace(largest, phi=float(required["phi"][worst]))
         yield curves.figure("RMS from required", THREAD_FEED, float(np.sqrt(np.mean(apart**2))))
 
 
-def required_feed(mechanism: Mechanism, path: ThreadPath) -> tuple[Array, Array, Array]:
-    """φ, rad, of the required feed, that feed and the actual one, m, each (n,), in the file's order."""
+def required_feed(curves: Curves) -> dict[str, Array]:
+    """φ, rad, the feed, m, that the file requires there, and the actual one, by name, (n,) each, in the file's order.
+
+    {} if it requires none, and where the thread has no feed.
+    """
+    path = curves.linkage.thread
+    if path is None or not path.required or THREAD_FEED not in curves.names:
+        return {}
     phi, required = np.array(path.required).T
-    return phi, required, feed(mechanism, path, phi)
+    return {"phi": phi, "required": required, "actual": feed(curves.case.mechanism, path, phi)}
 
 
 def _peak_speed_time(curves: Curves) -> float:

@@ -281,19 +281,15 @@ def _rounding(optimum: Optimum) -> str:
 
 
 def _starts(optimum: Optimum) -> str:
-    """A sentence on how many searches ended at the optimum, elsewhere, or nowhere."""
-    ends = [end for end in optimum.search.ends if end is not None]
-    elsewhere = optimum.search.elsewhere
-    feasible = [end for end in elsewhere if end.is_feasible]
-    sentence = f"Starts: {len(optimum.search.ends)}; {len(ends) - len(elsewhere)} ended at this optimum"
+    """A sentence on where the searches ended."""
+    search, feasible = optimum.search, [end for end in optimum.search.elsewhere if end.is_feasible]
+    here = sum(end is not None for end in search.ends) - len(search.elsewhere)
+    sentence = f"Starts: {len(search.ends)}; {here} ended at this optimum"
     if feasible:
         worse = [(end.aim - optimum.end.aim) / abs(optimum.end.aim or 1.0) for end in feasible]
         sentence += f", {len(feasible)} at others, worse by {_percent(min(worse))} to {_percent(max(worse))}"
-    if len(elsewhere) > len(feasible):
-        sentence += f", {len(elsewhere) - len(feasible)} where a held figure is outside its range"
-    if len(ends) < len(optimum.search.ends):
-        sentence += f", {len(optimum.search.ends) - len(ends)} could not be assembled"
-    return f"{sentence}."
+    failed = len(search.ends) - here - len(feasible)
+    return f"{sentence}{f', {failed} at no design that keeps what is held' if failed else ''}."
 
 
 # Curves of a linkage before and after its numbers were changed, with their peaks.
