@@ -96,22 +96,17 @@ class DeclaredOption(NamedTuple):
         return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
 
 
-def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The options and arguments of a function, those of its dataclasses last, or of a dataclass; in their order."""
-    return _declared_options(source)
-
-
 @cache
-def _declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The same, cached by function or dataclass."""
+def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
+    """The options and arguments of a function, those of its dataclasses last; or those of a dataclass; in order."""
     if is_dataclass(source):
         hints = get_type_hints(source, include_extras=True)
         annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
     else:
         annotated = [(each, each.annotation) for each in inspect.signature(source).parameters.values()]
     own = [DeclaredOption(field, *get_args(hint)) for field, hint in annotated if get_origin(hint) is Annotated]
-    groups = {} if is_dataclass(source) else option_groups(source)
-    return (*own, *(each._replace(group=name) for name, kind in groups.items() for each in _declared_options(kind)))
+    groups = option_groups(source).items()
+    return (*own, *(each._replace(group=name) for name, kind in groups for each in declared_options(kind)))
 
 
 def option_groups(function: Callable[..., Any]) -> dict[str, type]:

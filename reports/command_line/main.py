@@ -7,6 +7,9 @@ ends in a sentence.
 
 from __future__ import annotations
 
+import errno
+import gc
+import os
 import sys
 
 from reports import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
@@ -56,8 +59,6 @@ def _end_badly(error: Exception) -> None:
 
     It blames the machine if that is the cause, else linkproof.
     """
-    import errno
-
     if isinstance(error, FileNotFoundError) and error.filename is None:
         _end_with_sentence("expected a working folder, got one that was deleted: change to another", BAD_INPUT)
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
@@ -76,8 +77,6 @@ def _start_fast() -> None:
 
     And make SIGTERM act as Ctrl-C.
     """
-    import gc
-    import os
     import signal
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -87,8 +86,6 @@ def _start_fast() -> None:
 
 def _open_closed_streams() -> None:
     """Replace a closed stream (>&-) by the null device, or a file opened later would get its number."""
-    import os
-
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - open until the process ends
@@ -99,8 +96,6 @@ def _discard(descriptor: int) -> None:
 
     ``descriptor`` is the stream's.
     """
-    import os
-
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
