@@ -44,7 +44,7 @@ from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.api.linkages import linkage_file, word_of
 from reports.api.motions import EVERYTHING, requested_motions
-from reports.api.options import Announce, LinkageLike, Motion, changed, command_line
+from reports.api.options import Announce, LinkageLike, Motion, changed, command_line, words
 from reports.api.options import Bounds as Asked
 from reports.document.study import check_file
 from reports.document.terminal import show
@@ -56,14 +56,14 @@ DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of file
 
 
 def chosen_linkages(
-    given: Sequence[LinkageLike], motion: Motion
+    given: LinkageLike | Sequence[LinkageLike], motion: Motion
 ) -> tuple[tuple[Linkage, ...], tuple[LinkageFile, ...]]:
     """The linkages in the variant and under the gravity of a motion, and their files.
 
     By default they are the catalogue's that have the variant. Files of the same name get the names of their folders
     before their own, as many as are needed to differ. Raises LinkproofError where two names are the same.
     """
-    named = tuple({word_of(each): each for each in tuple(given) or _with_variant(catalogue(), motion.variant)}.values())
+    named = tuple({word_of(each): each for each in words(given) or _with_variant(catalogue(), motion.variant)}.values())
     files = _told_apart(named, [linkage_file(each) for each in named])
     variants = [each.variant if isinstance(each, Linkage) and motion.variant is None else None for each in named]
     linkages = [file.linkage(variant or motion.variant) for file, variant in zip(files, variants, strict=True)]
@@ -236,7 +236,7 @@ def kept(
 def _finished_runs(
     function: Callable[..., Any],
     given: Mapping[str, Any],
-    engines: Iterable[str],
+    engines: Sequence[str],
     linkages: Iterable[Linkage],
     without: Sequence[str],
 ) -> Runs:

@@ -364,7 +364,8 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Give every option its one form; raises LinkproofError for a value of another type."""
-        for option in declared_options(type(self)):
+        kind: Any = type(self)
+        for option in declared_options(kind):
             name = option.field.name
             object.__setattr__(self, name, option_value(option, getattr(self, name)))
 

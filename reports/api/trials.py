@@ -21,6 +21,7 @@ from reports.api.options import (
     command_line,
     silent,
     with_values,
+    words,
 )
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ def compare(
             "--script runs nothing: leave out every option but those of the engine, setting and motion"
         )
     linkages, files = campaign.chosen_linkages(mechanisms, motion)
-    mechanisms = tuple(map(word_of, mechanisms))
+    mechanisms = tuple(map(word_of, words(mechanisms)))
     if script is not None:
         request = campaign.request(linkages, motion, engine, setting)
         return campaign.script(request, Path(script), command_line(compare, locals()))
@@ -208,7 +209,7 @@ def bench(
     from reports.api.linkages import word_of
 
     linkages, _ = chosen_linkages(mechanisms, motion)
-    mechanisms = tuple(map(word_of, mechanisms))
+    mechanisms = tuple(map(word_of, words(mechanisms)))
     return benchmark(bench, locals(), linkages)
 
 

@@ -187,7 +187,7 @@ class Comparison(Trials):
         runs = frame.groupby([*RUN], sort=False)
         cells = frame.assign(run=runs.ngroup()).set_index(["run", "quantity"])[[*shares, "outcome"]].to_xarray()
         of_runs = runs[[*times, "steps"]].first().reset_index().rename_axis("run").to_xarray()
-        dataset = cells.fillna({"outcome": ""}).merge(of_runs).set_coords([*RUN]).drop_vars("run")
+        dataset: xarray.Dataset = cells.fillna({"outcome": ""}).merge(of_runs).set_coords([*RUN]).drop_vars("run")
         for name in (*shares, *times):
             dataset[name].attrs["units"] = "1" if name in shares else "s"
         return dataset
