@@ -19,8 +19,6 @@ from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import MovingSweep
-from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
 from tests.analytic.fifty_digits import Exact, forces_of, signals_of
 from tests.analytic.linkages import IN_LINE, from_text, mechanism, on_trial
@@ -166,8 +164,7 @@ def test_shaking_has_the_derivatives_of_differences(name, variant):
 
     def values(own):
         design = sample.redesigned(with_numbers(sample.linkage, own))
-        at = MovingSweep(design, design.sweep(np.array([0.7, 4.0])), np.asarray(SPEED), np.asarray(0.0))
-        return np.stack([signal_of(at, name) for name in names])
+        return np.stack([*signals.evaluate(design, [0.7, 4.0], names, speed=SPEED).values()])
 
     steps = {one: 1e-3 * (abs(value) or 0.1) for one, value in chosen.items()}
     _, slopes, errors = differences(values, chosen, steps)

@@ -445,9 +445,8 @@ def test_two_groups_in_their_other_modes_do_not_hide_each_other():
 def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
     motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
     one = Case(sample("parallelogram"), motion)
-    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one, 1401))
-    records = checks(one, motion, run_of(one, "tuned").blank)
-    left = {record.quantity: record.outcome for record in records if record.outcome != Verdict.PASSED}
+    found = records(one, _parallel(one, 1401))
+    left = {name: record.outcome for name, record in found.items() if record.outcome != Verdict.PASSED}
     assert left == {"force_balance": Verdict.UNDEFINED}
 
 
@@ -457,11 +456,9 @@ def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it(
     beside = np.abs(one.motion.angle(history.torque.time) - math.pi) < 0.02
     peak = np.max(np.abs(history.torque.values))
     wrong = with_signal(history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
-    records = {
-        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), run_of(one, "tuned").blank)
-    }
-    assert records["torque_two_routes"].error_max == pytest.approx(0.01, rel=0.02)
-    assert abs(one.motion.angle(records["torque_two_routes"].worst_time) - math.pi) < 0.02
+    found = records(one, wrong)["torque_two_routes"]
+    assert found.error_max == pytest.approx(0.01, rel=0.02)
+    assert abs(one.motion.angle(found.worst_time) - math.pi) < 0.02
 
 
 # -- a released crank --------------------------------------------------------------------------------------------------
