@@ -14,6 +14,7 @@ from comparisons.trials.campaign import campaign
 from comparisons.trials.campaign.campaign import CampaignRequest
 from comparisons.trials.campaign.results import (
     CURVE_COLUMNS,
+    KINDS,
     described_linkage,
     document,
     linkage_row,
@@ -22,6 +23,7 @@ from comparisons.trials.campaign.results import (
 )
 from comparisons.trials.campaign.results import load as load_results
 from comparisons.trials.runs.files import STORE
+from comparisons.trials.runs.store import has_study
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import perfect_motion
 
@@ -76,6 +78,12 @@ def test_curves_are_a_table_with_a_row_a_sample_and_every_digit(saved, tmp_path)
     columns = np.array([[float(value) for value in row[7:]] for row in mine]).T
     time, angle, reference, error = run.curves["Mkr"].astype(float)
     np.testing.assert_array_equal(columns, [time, angle, reference + error, reference])
+
+
+def test_a_judgement_takes_the_place_of_a_campaign(saved, copy):
+    save(copy, {**load_results(copy).document, "judgement": ["right"]}, [saved[1]])
+    assert [has_study(copy, kind) for kind in KINDS] == [False, True]
+    assert load_results(copy).document["judgement"] == ["right"]
 
 
 @pytest.mark.parametrize(
