@@ -102,6 +102,12 @@ def test_a_document_of_another_form_is_refused_by_its_key(saved, tmp_path, damag
         load_results(tmp_path)
 
 
+def test_a_campaign_of_failures_can_be_saved(tmp_path):
+    failed = _compared(Run(Outcome.DIVERGED, "ran away"))
+    save(tmp_path, document(REQUEST, "linkproof compare"), [failed])
+    assert load_results(tmp_path).records == failed.errors
+
+
 def test_a_saved_text_with_a_byte_order_mark_is_read_again():
     linkage = load("juki-mf7923d")
     assert described_linkage({**linkage_row(linkage), "text": "\ufeff" + linkage.text}) == linkage
