@@ -144,7 +144,10 @@ class _ChangePointSearch:
         return _Chain(self.pivot, np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID))
 
     def find_change_points(self, number: int) -> None:
-        """Find a dyad's change points and put their patches into ``dyads``; note where it is undetermined."""
+        """Find a dyad's change points and put their patches into ``dyads``; note where it is undetermined.
+
+        ``number`` is the dyad's. An odd number of change points doubles the ``period``.
+        """
         dyad = self.dyads[number]
         if not dyad.has_two_modes:
             return

@@ -132,8 +132,8 @@ def _documented(place: Any, within: str, level: int) -> Iterator[str]:  # noqa: 
     for name in sorted(getattr(place, "__all__", vars(place))):
         thing = getattr(place, name)
         is_value = isinstance(thing, property | cached_property)
-        shown = inspect.isroutine(thing) or inspect.isclass(thing) or inspect.ismodule(thing) or is_value
-        if name.startswith("_") or not shown:
+        is_module = inspect.ismodule(thing) and inspect.ismodule(place)  # not one that a class works with
+        if name.startswith("_") or not (inspect.isroutine(thing) or inspect.isclass(thing) or is_module or is_value):
             continue
         called = not is_value and (inspect.isroutine(thing) or is_dataclass(thing))
         signature = f"```python\n{_signature(name, thing)}\n```\n\n" if called else ""
