@@ -316,10 +316,9 @@ def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> Tab
 # The diagram of error over cost, as data for its script: any mechanism, quantity and measure of the cost.
 
 LABEL = "Error over cost: a point is a method at one step, or a setting"
-# What the points of a sweep share, and what each has of its own: cost, s, steps and work.
+# What the points of a sweep share, and what each has of its own: cost, s, and steps.
 SHARED = ("engine", "engine_version", "kind", "setting", "runs")
-OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps",
-       "used")  # fmt: skip
+OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps")
 
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
@@ -366,6 +365,7 @@ def _sweep_data(sweep: DataFrame) -> dict[str, Any]:
         "points": [
             {
                 **{name: _digits(getattr(point[0], name)) for name in OWN},
+                "used": ", ".join(f"{plain(name)} {_digits(value)}" for name, value in point[0].details.items()),
                 "errors": {
                     each.quantity: [_digits(drawn_error(each)), _digits(each.error_max), _digits(each.error_rms)]
                     for each in point

@@ -173,7 +173,6 @@ def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
         "steps": 700,
         "outcome": "finished",
         "detail": "",
-        "used": "",
         "ended": "the sweep ends here",
     }
     values |= changes
@@ -243,7 +242,7 @@ def _bench_engine(quantity, dearer, where):
     second = sweep_rows([0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, **facts)
     fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", runs=2, **facts)
     settings = [
-        setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **facts)
+        setting_row(name, error, seconds * dearer, runs=runs, details={"scheme": "<made up>"}, **facts)
         for name, error, seconds, runs in (("naive", 0.9, 2e-3, 1), ("tuned", 4e-4, 1.7e-2, 1), ("best", 1e-12, 0.4, 4))
     ]
     failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds=0.0,

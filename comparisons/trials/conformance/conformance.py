@@ -114,21 +114,6 @@ def check_samples(trial: EngineTrial) -> None:
             )
 
 
-CHANNEL_CHECKS = (
-    EngineCheck("samples", "sample times increase and cover the motion densely", check_samples),
-    *(
-        EngineCheck(name, f"the closed form's: {about}", partial(check_channel, channel))
-        for name, channel, about in (
-            ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
-            ("velocities", Channel.VELOCITY, "at the stated instants"),
-            ("accelerations", Channel.ACCELERATION, "at the stated instants, without subtracting gravity"),
-            ("drive torque", Channel.TORQUE, "the torque of the drive on the crank"),
-            ("joint forces", Channel.JOINT_FORCE, "on each joint's first body, in the ground frame"),
-        )
-    ),
-)
-
-
 def check_identity(trial: EngineTrial) -> None:
     """Raise AssertionError unless name, version and abilities are as the contract requires."""
     with blamed_on(trial.engine):
@@ -305,7 +290,13 @@ def check_silence(trial: EngineTrial) -> None:
     assert not text, f"expected silence, got {text[:80]!r}: chatters = True has a SteppedEngine's C output sent nowhere"
 
 
-CONDUCT = (
+# The test: every check in a worker process.
+
+
+INSTALLED: Final = "installed"
+FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check has a meaning
+BOUNDS = RunBounds(seconds=120.0)
+_CHECKS: Final = (
     EngineCheck("identity", "name, version and abilities", check_identity),
     EngineCheck("installed", "the engine can be used, and finishes a run", check_installed),
     EngineCheck("bad data", "an outcome with a reason, nothing raised, no process dead", check_bad_data),
@@ -318,16 +309,20 @@ CONDUCT = (
     EngineCheck("recording", "only the requested channels are recorded; recording changes no step", check_recording),
     EngineCheck("repetition", "two runs are the same", check_repetition),
     EngineCheck("silence", "nothing is written to the terminal", check_silence),
+    EngineCheck("samples", "sample times increase and cover the motion densely", check_samples),
+    *(
+        EngineCheck(name, f"the closed form's: {about}", partial(check_channel, channel))
+        for name, channel, about in (
+            ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
+            ("velocities", Channel.VELOCITY, "at the stated instants"),
+            ("accelerations", Channel.ACCELERATION, "at the stated instants, without subtracting gravity"),
+            ("drive torque", Channel.TORQUE, "the torque of the drive on the crank"),
+            ("joint forces", Channel.JOINT_FORCE, "on each joint's first body, in the ground frame"),
+        )
+    ),
+    *MUTANT_CHECKS,
 )
-
-
-# The test: every check in a worker process.
-
-
-INSTALLED: Final = "installed"
-FIRST: Final = ("identity", INSTALLED)  # without a name and one finished run no other check has a meaning
-BOUNDS = RunBounds(seconds=120.0)
-CHECKS: Final[Mapping[str, EngineCheck]] = {check.name: check for check in (*CONDUCT, *CHANNEL_CHECKS, *MUTANT_CHECKS)}
+CHECKS: Final[Mapping[str, EngineCheck]] = {check.name: check for check in _CHECKS}
 
 
 def examine(pickled: bytes, name: str) -> CheckResult:

@@ -23,8 +23,6 @@ from engines.contract import Engine, History, Method, Origin, Outcome, Run, Sett
 from engines.scene import Channel, Drive, Prescribed, Scene
 
 # Runs that gave no result: how each failed, whose fault it was, and where.
-#
-# Imports the standard library alone, as worker processes do at their start.
 
 
 GIB: Final = 1 << 30

@@ -121,13 +121,8 @@ def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
         readout_seconds=max(0.0, wall - run.seconds - run.setup_seconds),
         steps=run.steps,
         runs=max(1, len(run.passes)) if run.history else 0,
-        used=", ".join(f"{name.replace('_', ' ')} {_number_words(value)}" for name, value in run.details.items()),
+        details=dict(run.details),
     )
-
-
-def _number_words(value: str | int | float) -> str:
-    """A number with six digits at most, or any other value, as text."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _family_errors(

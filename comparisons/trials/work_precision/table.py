@@ -38,8 +38,8 @@ class BenchRun(RunRecord):
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
     s, it is requested. ``is_control``: the engine is the reference's control, never ranked. ``repeats`` are all wall
-    times of the stepping alone, s. ``detail`` says why, where it did not finish; ``used`` is what the adapter says of
-    the run, ``ended`` why its sweep goes no further.
+    times of the stepping alone, s. ``detail`` says why, where it did not finish, ``ended`` why its sweep goes no
+    further.
 
     Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
     where it did not finish; 0 ``runs`` gave no motion. So is ``engine_seconds``, the part of a setting's stepping
@@ -58,7 +58,6 @@ class BenchRun(RunRecord):
     engine_seconds: float | None = None
     outcome: str
     detail: str = ""
-    used: str = ""
     ended: str = ""
 
     @property
