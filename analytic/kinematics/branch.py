@@ -125,7 +125,8 @@ class Patch:
     def values(self, order: int, polynomials: Any) -> Any:  # noqa: ANN401 - of either precision
         """The numbers of both links, or their derivatives of an order, by ``Window.polynomials``: (8 or 6, n)."""
         series = self.extended if polynomials.dtype == np.longdouble else self.series
-        return (polynomials @ series[order]).T  # faster than chebval
+        with np.errstate(invalid="ignore"):  # a series that is not finite leaves its angles without an answer
+            return (polynomials @ series[order]).T  # faster than chebval
 
 
 @dataclass(frozen=True, eq=False)
