@@ -345,12 +345,9 @@ def _verdict(trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterat
 
     Only the cost without records.
     """
-    first, *others = (verdict(trust) if trust else ()) or ("",)
-    if first:
-        yield Paragraph(first, "verdict")
     if trust is not None:
-        yield picture(trust)
-    yield from (Paragraph(line, "lead") for line in others)
+        first, *others = verdict(trust)
+        yield from (Paragraph(first, "verdict"), picture(trust), *(Paragraph(line, "lead") for line in others))
     yield from cost
 
 
@@ -416,12 +413,10 @@ def leads_to(trust: EngineRanking, record: Error | None) -> str:
 
 def settings_table(trust: EngineRanking) -> Table:
     """The table of engines and settings: share within limits, largest use of a limit, and time of a run."""
-    rows: list[list[TableCell | str]] = []
-    for engine in trust.engines:
-        row: list[TableCell | str] = [engine]
-        for setting in trust.settings:
-            row += _share_error_and_time(trust, engine, setting)
-        rows.append(row)
+    rows: list[tuple[TableCell | str, ...]] = [
+        (engine, *(cell for setting in trust.settings for cell in _share_error_and_time(trust, engine, setting)))
+        for engine in trust.engines
+    ]
     beside = "".join(f", {words}" for words in (concurrency_note(trust.results.document["environment"]),) if words)
     return Table(
         f"All comparisons of an engine at a setting: the share within limits, the worst, and a run's time{beside}.",

@@ -1,4 +1,4 @@
-"""Pictures: charts described as data and drawn by matplotlib, kinematic schemes that stand and move."""
+"""Pictures drawn by matplotlib: figures in the looks of the house, and kinematic schemes."""
 
 import logging
 

@@ -160,6 +160,29 @@ def test_a_point_that_is_pulled_changes_its_lengths_in_steps_and_follows_the_poi
         assert seen.faults == []
 
 
+TOPS = """() => [...document.querySelectorAll('.live-curves figure, .live-numbers')]
+  .map(one => one.getBoundingClientRect().top)"""
+OUTSIDE = """() => {
+  const sheet = document.querySelector('.live-scheme').getBoundingClientRect();
+  const pins = [...document.querySelectorAll('.pin')].map(one => one.getBoundingClientRect());
+  return pins.filter(({ left, right, top, bottom }) => left < sheet.left || right > sheet.right || top < sheet.top
+    || bottom > sheet.bottom).length;
+}"""
+
+
+def test_a_curve_is_read_under_the_pointer_and_a_pull_moves_nothing_else_and_leaves_no_point_outside(browser, page_of):
+    with at_work(browser, page_of("four-bar", FOUR_BAR)) as seen:
+        page, at = seen.page, seen.page.locator(".live-legend b")
+        before, tops = at.inner_text(), page.evaluate(TOPS)
+        page.locator(".live-plot canvas").first.hover()
+        assert at.inner_text() != before
+        drag(page, "P", (-300.0, -100.0))
+        assert figure(page, "peak torque")[2]
+        assert page.evaluate(TOPS) == tops
+        assert page.evaluate(OUTSIDE) == 0
+        assert seen.faults == []
+
+
 @in_every_browser
 def test_a_slider_is_undone_redone_and_reset_and_the_address_keeps_it(browser, page_of):
     with at_work(browser, page_of("four-bar", FOUR_BAR)) as seen:
