@@ -10,6 +10,8 @@ import pytest
 from analytic import machine_code, signals
 from analytic.description.changes import design_numbers, with_numbers
 from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.signals import MovingSweep
 
 NUMBA = pytest.mark.skipif(not machine_code.is_installed(), reason="no numba")
 PATHS = ("numpy", pytest.param("compiled", marks=[NUMBA, pytest.mark.nightly]))
@@ -33,8 +35,16 @@ def built(sample: Mechanism, parameters: Mapping[str, np.ndarray], number: int) 
 
 
 def signals_of(
-    design: Mechanism, angle: np.ndarray, names: Iterable[str], speed: float, acceleration: np.ndarray | float
+    sample: Mechanism,
+    design: Mechanism,
+    angle: np.ndarray,
+    names: Iterable[str],
+    motion: tuple[float, np.ndarray | float],
 ) -> dict[str, np.ndarray]:
     """Signals (angles,) of a design by name; S from its largest output among the angles. Raises AssemblyError."""
-    found = signals.evaluate(design, angle, names, speed=speed, acceleration=acceleration)
-    return {name: values - np.min(values) if name == "S" else values for name, values in found.items()}
+    sweep = Sweep(design.linkage, design.structure, angle)
+    for body in design.structure.bodies:
+        sweep.rates(body)
+    top = float(np.max(sweep.output())) if sample.linkage.output else 0.0
+    moving = MovingSweep(sample, sweep, np.asarray(motion[0]), np.asarray(motion[1]), top)
+    return {name: signals.signal(moving, name) for name in names}

@@ -89,7 +89,7 @@ def compare(sample, parameters):
     for number in range(result.shape[1]):
         try:
             design = built(sample, parameters, number)
-            expected = signals_of(design, angle, names, SPEED, 0.0)
+            expected = signals_of(sample, design, angle, names, (SPEED, 0.0))
         except (AssemblyError, StructureError):
             assert np.all(np.isnan(result[:, number]))
             continue
@@ -144,7 +144,7 @@ def test_values_at_an_angle_are_those_of_the_curve():
     parameters = varied(sample, 9, 2, 0.02)
     names = [name for name in signals.names(sample) if name not in ("phi", "omega", "epsilon")]
     angle = np.arange(360) * (FULL_TURN / 360)
-    expected = [signals_of(built(sample, parameters, n), angle, names, SPEED, 0.0) for n in range(2)]
+    expected = [signals_of(sample, built(sample, parameters, n), angle, names, (SPEED, 0.0)) for n in range(2)]
     for place in (0, 123, 359):
         figures = [Figure(name, Reduction.AT, angle[place]) for name in names]
         result = design_figures(sample, parameters, figures, angle, speed=SPEED, period=FULL_TURN)

@@ -31,7 +31,7 @@ def test_every_number_may_vary(name):
     assert np.any(values[ASSEMBLED])
     for number in range(6):
         design, moving = built(sample, parameters, number), values[ASSEMBLED][number]
-        expected = signals_of(design, angle[moving], names, 4.0, np.cos(angle[moving])) if any(moving) else {}
+        expected = signals_of(sample, design, angle[moving], names, (4.0, np.cos(angle[moving]))) if any(moving) else {}
         for signal, row in expected.items():
             assert np.all(np.isnan(values[signal][number, ~moving]))
             close = {"rtol": 0.0, "atol": SAME * np.max(np.abs(row)) + TINY}
