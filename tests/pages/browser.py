@@ -154,8 +154,9 @@ def opened(
     is_phone: bool = False,
     fragment: str = "",
     before: str = "",
+    idle: bool = True,
 ) -> Iterator[Look]:
-    """A page of a report's folder, open and idle; on a phone it is touched.
+    """A page of a report's folder, open and, unless ``idle`` is False, idle; on a phone it is touched.
 
     ``fragment`` ends its address, and ``before`` is a script that runs ahead of its own; no curves move.
     """
@@ -178,7 +179,8 @@ def opened(
         look.page.on("request", lambda request: _note(look, request.url, folder))
         look.page.add_init_script(before)
         look.page.goto(f"{path.resolve().as_uri()}#{fragment}", wait_until="load")
-        look.page.wait_for_load_state("networkidle")
+        if idle:
+            look.page.wait_for_load_state("networkidle")  # half a second without a request
         yield look
     finally:
         context.close()

@@ -31,7 +31,7 @@ AT_HAND = """
 @contextmanager
 def at_work(browser, page, design=None, **look):
     """A page with its script at work; a design is given by the address."""
-    with opened(browser, page, fragment=urlencode(design or {}), before=AT_HAND, **look) as seen:
+    with opened(browser, page, fragment=urlencode(design or {}), before=AT_HAND, idle=False, **look) as seen:
         seen.page.locator(".live-scheme").wait_for()
         yield seen
 

@@ -1,5 +1,6 @@
 """The verdict names the engines to trust for each quantity; naive settings do not change it."""
 
+import numpy as np
 import pytest
 
 from comparisons.trials.campaign.results import CampaignResults
@@ -45,6 +46,12 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
     assert first.startswith("alpha, once tuned, passes every comparison. ")
     assert "Do not trust beta for Mkr: an error is over its limit" in first
     assert trust.most_accurate("tuned", "Mkr") == "alpha"
+
+
+def test_the_time_of_an_engine_is_the_shifted_geometric_mean_of_its_runs(results):
+    times = [run.setup_seconds + run.seconds for run in results.runs if (run.engine, run.setting) == ("beta", "tuned")]
+    shifted = np.exp(np.mean(np.log(np.array(times) + 0.01))) - 0.01
+    assert EngineRanking(results).seconds("beta", "tuned") == pytest.approx(shifted)
 
 
 def test_the_control_is_shown_last_and_never_named(results):

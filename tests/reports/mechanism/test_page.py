@@ -1,6 +1,7 @@
 """The page of a mechanism: figures in the units of the file, the thread, released cranks, samples of a motion."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,7 +14,7 @@ from comparisons.designer.curves import SignalFigure
 from comparisons.motion.case import Case
 from reports.document.parts import FigureGroup, PageFigure, Paragraph, Widget
 from reports.live import live_widget
-from reports.mechanism.page import page, released_section, thread_section
+from reports.mechanism.page import file_of, page, released_section, thread_section
 from reports.mechanism.shown import words
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.made_up import made_up_results, unpacked
@@ -69,6 +70,11 @@ def test_every_linkage_has_a_page_whose_figures_have_files_of_their_own(name):
     assert len(names) == len(set(names))
     assert all(one.alt and one.caption for one in figures(found))
     assert found.file == f"mechanisms/{linkage.name}.{linkage.variant}.html"
+
+
+def test_its_file_needs_no_quoting_whatever_a_variant_is_called():
+    linkage = replace(mechanism("juki-mf7923d").linkage, name="my yoke", variant='50% "#1"')
+    assert file_of(linkage) == "mechanisms/my-yoke.50-1-.html"
 
 
 def test_without_masses_a_sentence_stands_for_torque_and_forces():
