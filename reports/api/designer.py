@@ -313,15 +313,15 @@ def optimise(
     from comparisons.designer.optimisation import optimise as find_optimum
     from comparisons.designer.parameters import mass_words
     from reports.api.linkages import resolve
-    from reports.api.steady import aim_and_ranges, check_words, steady_case
+    from reports.api.steady import aim, check_words, steady_case
     from reports.designs.optimise import Optimisation
 
     chosen, mechanism, motion = resolve(mechanism, motion)
     command = command_line(optimise, locals())
-    asked = aim_and_ranges(minimise, maximise, over, keep)
+    figure, is_least, step = aim(minimise, maximise), maximise is None, step or ""
     case = steady_case(chosen, motion, scale_mass=scale_mass)
     best = find_optimum(
-        case, *asked, is_least=maximise is None, everywhere=everywhere, step=step or "", announce=announce
+        case, figure, tuple(over), tuple(keep), is_least=is_least, everywhere=everywhere, step=step, announce=announce
     )
     conditions = case.conditions + mass_words(case.mechanism.linkage, best.after)
     return Optimisation(best, conditions, command, check_words(best, motion))

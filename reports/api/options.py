@@ -181,6 +181,8 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
         return _numbers(option, given)
     if several is Any:
         return words(given)
+    if option.kind == Ranges and isinstance(given, Mapping):
+        return tuple(range_word(*pair) for pair in given.items())
     if several is not None:
         return given if isinstance(given, Mapping) else tuple(map(several, words(given)))
     if float in kinds or int in kinds:
@@ -291,8 +293,6 @@ def _options_with_values(source: Any, given: Mapping[str, Any]) -> Iterator[tupl
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
     """An option's value as words of a command, one for each member; () for None."""
-    if isinstance(value, Mapping):
-        return tuple(range_word(*pair) for pair in value.items())
     typed = tuple(map(typed_word, _values_of(value)))
     return (",".join(typed),) if member_type(option.kind) is float else typed  # numbers are one word
 

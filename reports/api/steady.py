@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from comparisons.designer.sweep import (
     usual_figures,
 )
 from reports.api.motions import requested_case
-from reports.api.options import Motion, Ranges, SteadyMotion, changed, option_words, range_word
+from reports.api.options import Motion, SteadyMotion, changed, option_words
 
 
 def steady_case(
@@ -74,21 +74,12 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
     return SweepRequest(replace(case, conditions=conditions), space, figures, refine)
 
 
-def aim_and_ranges(
-    minimise: str | None, maximise: str | None, over: Ranges, keep: Ranges
-) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The figure to optimise, numbers with bounds and figures to hold, as texts.
-
-    Raises LinkproofError unless exactly one of ``minimise`` and ``maximise`` is given.
-    """
+def aim(minimise: str | None, maximise: str | None) -> str:
+    """The figure to optimise; raises LinkproofError unless exactly one of the two is given."""
     if (minimise is None) == (maximise is None):
         got = "neither" if minimise is None else "both"
         raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")
-    varied, held = (
-        tuple(range_word(*pair) for pair in given.items()) if isinstance(given, Mapping) else tuple(given)
-        for given in (over, keep)
-    )
-    return minimise or maximise or "", varied, held
+    return minimise or maximise or ""
 
 
 def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:

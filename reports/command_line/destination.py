@@ -17,7 +17,7 @@ from comparisons.trials.runs.files import check_folder, check_writable
 from reports.api.options import Announce, OutputOptions, changed, words
 from reports.document.parts import Paragraph
 from reports.document.study import PICTURES, Study, check_saves
-from reports.document.terminal import Printed, Printout, harmless, show, write
+from reports.document.terminal import harmless, show, write
 
 
 class Destination(OutputOptions):
@@ -84,7 +84,10 @@ class Destination(OutputOptions):
         elif self.quiet:
             show(*study.brief(), *study.printout().closing)
         else:
-            self.print_out(study.printout())
+            printout = study.printout()
+            for part in chain(printout.tables, printout.details if self.verbose else ()):  # each as soon as it is made
+                show(part)
+            show(*printout.closing)
         given = changed(OutputOptions, vars(self))
         form = {name: given[name] for name in ("decimal", "figure") if name in given}
         for file in [*study.written, *study.save(*self.save, **form)]:
@@ -98,13 +101,6 @@ class Destination(OutputOptions):
         if not (self.quiet or self.json):
             show(*filter(None, [study.hint(self.save)]))
         return code
-
-    def print_out(self, printout: Printout) -> None:
-        """Print tables, details if asked for, and closing lines, each as soon as it is made."""
-        parts: Iterable[Printed] = chain(printout.tables, printout.details if self.verbose else ())
-        for part in parts:
-            show(part)
-        show(*printout.closing)
 
     def tell(self, text: str) -> None:
         """Print a remark on stderr, unless it is empty or the run is quiet."""

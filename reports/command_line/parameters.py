@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, get_args
 
 import click
@@ -29,7 +28,6 @@ from reports.command_line import completion
 TEMPLATES = Path(__file__).parents[1] / "templates"
 GLOSSARY, GONE = TEMPLATES / "glossary.txt", TEMPLATES / "gone.txt"  # commands and options of 1.0: what to do instead
 OF_PYTHON = re.compile(r"\n\n(?=In Python |>>> )")  # what a docstring says beyond the command
-NO_TEXTS: Mapping[str, str] = MappingProxyType({})
 SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
@@ -62,7 +60,7 @@ class CommandGroup(click.Group):
 class LinkproofCommand(click.Command):
     """A command whose help has sections, and that answers an option that is gone with what to do instead."""
 
-    sections: Mapping[str, str] = NO_TEXTS  # titles by the names of parameters
+    sections: Mapping[str, str]  # titles by the names of parameters
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options into the help's ``formatter``, section by section."""
