@@ -99,6 +99,29 @@ class History:
     torque: Signal | None = None
     joint_force: Mapping[str, Signal] = field(default_factory=dict)
 
+    @property
+    def signals(self) -> dict[tuple[Channel, str], Signal]:
+        """Every signal by its channel and, of a joint force, its joint, else ""."""
+        whole = {channel: getattr(self, channel) for channel in Channel if channel is not Channel.JOINT_FORCE}
+        signals = {(channel, ""): signal for channel, signal in whole.items() if signal is not None}
+        return signals | {(Channel.JOINT_FORCE, joint): signal for joint, signal in self.joint_force.items()}
+
+    @classmethod
+    def of(cls, signals: Mapping[tuple[Channel, str], Signal]) -> History:
+        """The history of signals that are given by channel and joint."""
+        forces = {joint: signal for (channel, joint), signal in signals.items() if channel is Channel.JOINT_FORCE}
+        whole = {
+            channel.value: signal for (channel, _), signal in signals.items() if channel is not Channel.JOINT_FORCE
+        }
+        return cls(**whole, joint_force=forces)
+
+
+def signal_words(channel: Channel, joint: str) -> str:
+    """A signal of a history in words: "velocity", "drive torque", "force in joint 'A'"."""
+    if channel is Channel.JOINT_FORCE:
+        return f"force in joint '{joint}'"
+    return "drive torque" if channel is Channel.TORQUE else channel.value
+
 
 @dataclass(frozen=True)
 class Run:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from engines.contract import History, Outcome, Run
-from engines.stepping.richardson import named_signals
+from engines.contract import History, Outcome, Run, signal_words
 
 Array = NDArray[np.float64]
 
@@ -65,9 +64,9 @@ def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
     """
     try:
         result = history()
-        for name, signal in named_signals(result):
+        for key, signal in result.signals.items():
             if not np.isfinite(signal.values).all():
-                raise DivergedError(f"the {name} is not finite everywhere")
+                raise DivergedError(f"the {signal_words(*key)} is not finite everywhere")
         return cost.run(Outcome.FINISHED, history=result)
     except DivergedError as stop:
         return cost.run(Outcome.DIVERGED, str(stop))

@@ -14,9 +14,9 @@ import numpy as np
 from analytic.description.linkage import DriverKind
 from analytic.description.units import Kind
 from analytic.description.walk import walk, with_values
-from engines.contract import History, Signal
+from engines.contract import History
 from engines.mechanics.joints import scene_size
-from engines.scene import Scene
+from engines.scene import LEVELS, Channel, Scene
 
 # Largest mass in a scene's own units. Accelerations are large numbers where velocities are moderate ones; small masses
 # keep forces from outweighing the velocities at which joints open. Measured: flat from 1e-4 down, a little worse at 1.
@@ -51,19 +51,10 @@ def scaled(scene: Scene, units: OwnUnits) -> Scene:
 
 def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
     """A copy of a scaled scene's history in SI; the torque of a linear ``driver`` is a force."""
-    coordinates = np.array([units.length, units.length, 1.0])
-
-    def times(signal: Signal | None, factor: object) -> Signal | None:
-        """A signal with its values times a factor; None for no signal."""
-        return None if signal is None else replace(signal, values=signal.values * np.asarray(factor))
-
-    return History(
-        position=times(history.position, coordinates),
-        velocity=times(history.velocity, coordinates),
-        acceleration=times(history.acceleration, coordinates),
-        torque=times(history.torque, units.unit(Kind.DRIVE, driver)),
-        joint_force={
-            name: replace(signal, values=signal.values * units.unit(Kind.FORCE))
-            for name, signal in history.joint_force.items()
-        },
-    )
+    sizes = dict.fromkeys(LEVELS, np.array([units.length, units.length, 1.0]))
+    sizes |= {
+        Channel.TORQUE: np.array(units.unit(Kind.DRIVE, driver)),
+        Channel.JOINT_FORCE: np.array(units.unit(Kind.FORCE)),
+    }
+    signals = history.signals.items()
+    return History.of({key: replace(signal, values=signal.values * sizes[key[0]]) for key, signal in signals})

@@ -12,7 +12,7 @@ every run or an even number in every run, the alternating part keeps its sign an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,38 +21,6 @@ from numpy.typing import NDArray
 from engines.contract import History, Origin, Signal, weakest
 
 Array = NDArray[np.float64]
-
-# Histories made of histories, signal by signal.
-
-
-CHANNELS = ("position", "velocity", "acceleration", "torque")  # of one signal each
-
-
-def combine_histories(histories: Sequence[History], combine: Callable[[Sequence[Signal]], Signal]) -> History:
-    """One history, each signal combined of those of its channel; a channel is None where all lack it.
-
-    Histories that lack a channel are left out of it; joints are those of the first.
-    """
-
-    def combine_channel(name: str) -> Signal | None:
-        """The combined signal of a channel; None where no history has it."""
-        present = [signal for history in histories if (signal := getattr(history, name)) is not None]
-        return combine(present) if present else None
-
-    forces = {name: combine([history.joint_force[name] for history in histories]) for name in histories[0].joint_force}
-    position, velocity, acceleration, torque = map(combine_channel, CHANNELS)
-    return History(position, velocity, acceleration, torque, forces)
-
-
-def named_signals(history: History) -> Iterator[tuple[str, Signal]]:
-    """Yield every signal of a history with a name for messages: its channel, or its joint."""
-    for name in CHANNELS:
-        signal = getattr(history, name)
-        if signal is not None:
-            yield "drive torque" if name == "torque" else name, signal
-    for name, signal in history.joint_force.items():
-        yield f"force in joint '{name}'", signal
-
 
 Weigh = Callable[[Sequence[float], Sequence[int]], Array]
 
@@ -87,7 +55,7 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
 
     ``weigh`` gives the weights by steps and orders.
     The origin ``read`` becomes ``extrapolated`` unless there is one pass alone.
-    Channels that no pass recorded stay None. Raises ValueError where the clocks differ.
+    All have the signals of the first. Raises ValueError where the clocks differ.
     """
     share = weigh([each.step for each in passes], orders)
 
@@ -105,4 +73,5 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), we
             origin = Origin.EXTRAPOLATED
         return Signal(time, values, origin)
 
-    return combine_histories([each.history for each in passes], weighted)
+    every = [each.history.signals for each in passes]
+    return History.of({key: weighted([signals[key] for signals in every]) for key in every[0]})

@@ -92,6 +92,4 @@ def cut(history, kept):
         inside = kept(signal.time)
         return Signal(signal.time[inside], signal.values[inside])
 
-    forces = {name: short(signal) for name, signal in history.joint_force.items()}
-    signals = {name: short(getattr(history, name)) for name in ("position", "velocity", "acceleration", "torque")}
-    return History(**signals, joint_force=forces)
+    return History.of({key: short(signal) for key, signal in history.signals.items()})

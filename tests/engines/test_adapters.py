@@ -22,7 +22,6 @@ from comparisons.trials.runs.workers import LocalPool
 from engines.contract import Outcome, Setting
 from engines.registry import engine, own_names
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
-from engines.stepping.richardson import named_signals
 from tests.analytic.linkages import double_rocker_text, file_text, from_text, mechanism, text_of
 from tests.engines.closed_form import (
     EVERYTHING,
@@ -214,8 +213,8 @@ def test_every_method_gives_a_finite_history_in_steps_that_it_counts(name):
         assert 0 < coarse.steps < run.steps
         assert len(run.passes) == (0 if name == "direct" else method.runs)
         assert max(run.passes, default=0.0) <= STEP * (1.0 + 1e-9)
-        for label, signal in named_signals(run.history):
-            assert np.all(np.isfinite(signal.values)), label
+        for key, signal in run.history.signals.items():
+            assert np.all(np.isfinite(signal.values)), key
             assert 0.0 < np.diff(signal.time).min() < np.diff(signal.time).max() < 4.5 * STEP  # none near a jump
             assert abs(signal.time[-1] - BRIEF.duration) < 2.0 * STEP
 

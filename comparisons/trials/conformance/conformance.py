@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -32,7 +32,7 @@ from comparisons.trials.judging.signal_errors import SignalError, readings, sign
 from comparisons.trials.observed_motion import DENSE
 from comparisons.trials.runs.run_engine import AdapterError, Failure, Lost, RunBounds, blamed_on, run_engine
 from comparisons.trials.runs.workers import LocalPool
-from engines.contract import Engine, Origin, Outcome, Run, Setting
+from engines.contract import Engine, Origin, Outcome, Setting, signal_words
 from engines.registry import Unusable, check_adapter, silenced
 from engines.scene import GUIDES, Channel, Drive, Load, Prescribed, Scene
 
@@ -258,7 +258,9 @@ def check_origins(trial: EngineTrial) -> None:
         assert not is_single or len(run.passes) <= 1, (
             f"setting '{setting}': expected one run of the engine, got {len(run.passes)}: extrapolate in 'best' alone"
         )
-        for words, origin in _origins_by_channel(run):
+        signals = run.history.signals if run.history is not None else {}
+        for key, signal in signals.items():
+            words, origin = signal_words(*key), signal.origin
             assert not is_single or origin is not Origin.EXTRAPOLATED, (
                 f"{words} in setting '{setting}': expected 'read' or 'computed', got '{origin}': nothing can be "
                 "extrapolated from one run"
@@ -267,15 +269,6 @@ def check_origins(trial: EngineTrial) -> None:
                 f"{words} in setting '{setting}': expected 'extrapolated' of what {len(run.passes)} runs make, got "
                 "'read': label it so"
             )
-
-
-def _origins_by_channel(run: Run) -> Iterator[tuple[str, Origin]]:
-    """Yield every recorded signal of a run, in words, with its origin; nothing for a run without history."""
-    if run.history is not None:
-        yield from (
-            (name, signal.origin) for name, signal in vars(run.history).items() if name != "joint_force" and signal
-        )
-        yield from ((f"force in joint '{name}'", signal.origin) for name, signal in run.history.joint_force.items())
 
 
 def check_silence(trial: EngineTrial) -> None:

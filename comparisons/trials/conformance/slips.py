@@ -31,7 +31,7 @@ from comparisons.trials.runs.run_engine import run_engine
 from engines.contract import History, Origin, Setting, Signal
 from engines.mechanics.states import point_acceleration, point_velocity
 from engines.scene import LEVELS, Body, Channel, Scene
-from engines.stepping.richardson import Weigh, combine_histories, named_signals, weights
+from engines.stepping.richardson import Weigh, weights
 
 EXPLAINED: Final = 0.1  # of an error: what a cause may leave of it
 ENDS: Final = 4  # samples at either end by which nothing is explained: shifted in time they have no values
@@ -260,10 +260,10 @@ def _with_velocity(body: Body, kept: float, step: float) -> Body:
 
 def _is_same(history: History, other: History) -> bool:
     """Whether two histories have the same values, to SAME of every signal's peak."""
-    pairs = zip(named_signals(history), named_signals(other), strict=True)
+    pairs = zip(history.signals.values(), other.signals.values(), strict=True)
     return all(
         a.values.shape == b.values.shape and np.all(np.abs(a.values - b.values) <= SAME * np.max(np.abs(a.values)))
-        for (_, a), (_, b) in pairs
+        for a, b in pairs
     )
 
 
@@ -287,9 +287,9 @@ def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], tri
     """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
-    right = trial.finished_history(sample)
-    wrong = combine_histories([right], lambda signals: replace(signals[0], values=slip(signals[0])))
-    return replace(right, **{channel.value: getattr(wrong, channel.value)})
+    signals = trial.finished_history(sample).signals
+    wrong = {key: replace(signal, values=slip(signal)) for key, signal in signals.items() if key[0] is channel}
+    return History.of(signals | wrong)
 
 
 def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:

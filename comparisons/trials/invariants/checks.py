@@ -255,9 +255,9 @@ def _with_every_other_sample(motion: ObservedMotion) -> ObservedMotion:
         """Every second sample of a signal, the first included."""
         return replace(signal, time=signal.time[::2], values=signal.values[::2])
 
-    history, (position, velocity) = motion.history, map(motion.signal, LEVELS[:2])
-    forces = {name: half(force) for name, force in history.joint_force.items()}
-    return replace(motion, history=History(position=half(position), velocity=half(velocity), joint_force=forces))
+    kept = {*LEVELS[:2], Channel.JOINT_FORCE}
+    halves = {key: half(signal) for key, signal in motion.history.signals.items() if key[0] in kept}
+    return replace(motion, history=History.of(halves))
 
 
 Found = tuple[Signal | Balance, float, int]  # what should be zero, over what scale, and the samples that it might have

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from itertools import product
+from typing import Final
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from analytic.numerics.arrays import Array, Booleans
 from comparisons.motion.case import Case, channel_truth
 from comparisons.trials.judging.quantities import has_two_values
 from comparisons.trials.observed_motion import resample
-from engines.contract import History, Signal
+from engines.contract import History, Signal, signal_words
 from engines.mechanics.joints import scene_size
 from engines.scene import LEVELS, Channel, Scene
 
@@ -69,7 +70,7 @@ class Reading:
     def words(self) -> str:
         """The name of the signal in words."""
         if self.channel not in LEVELS:
-            return "drive torque" if self.channel is Channel.TORQUE else f"force in joint '{self.name}'"
+            return signal_words(self.channel, self.name)
         kind = "" if self.channel is Channel.POSITION else self.channel.value
         turning = f"angular {kind}" if kind else "angle"
         return f"{turning if self.columns == ANGLE else kind or 'place'} of body '{self.name}'"
@@ -77,15 +78,13 @@ class Reading:
 
 def readings(scene: Scene, history: History) -> Iterator[Reading]:
     """Yield a Reading for each signal of a history: of each body's place and angle, of the torque, of each joint."""
-    for channel in (*LEVELS, Channel.TORQUE):
-        signal = getattr(history, channel.value)
-        bodies = [body.name for body in scene.bodies for _ in (PLACE, ANGLE)] if channel in LEVELS else [""]
-        for number, name in enumerate(bodies if signal is not None else []):
-            columns = NUMBER if channel is Channel.TORQUE else (PLACE, ANGLE)[number % 2]
-            yield Reading(scene, history, channel, name, columns, signal.time)
-    for joint, signal in history.joint_force.items():
-        columns = PLACE if signal.values.ndim > 1 else NUMBER
-        yield Reading(scene, history, Channel.JOINT_FORCE, joint, columns, signal.time)
+    for (channel, joint), signal in history.signals.items():
+        if channel in LEVELS:
+            for body, columns in product(scene.bodies, (PLACE, ANGLE)):
+                yield Reading(scene, history, channel, body.name, columns, signal.time)
+        else:
+            columns = PLACE if signal.values.ndim > 1 else NUMBER
+            yield Reading(scene, history, channel, joint, columns, signal.time)
 
 
 def true_history(case: Case, scene: Scene, history: History) -> History:
@@ -94,24 +93,20 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     Where the history has only magnitudes of forces, so has the result. Angles are continuous, as those of engines are.
     Raises LinkproofError where the closed form has none.
     """
+    bodies = [body.name for body in scene.bodies]
 
-    def right(channel: Channel, names: Iterable[str], signal: Signal) -> Signal:
-        """The closed form of a channel of these bodies or joints at a signal's times."""
-        values = np.stack([channel_truth(case, channel, name, signal.time) for name in names], axis=1)
+    def right(channel: Channel, joint: str, signal: Signal) -> Signal:
+        """The closed form of a channel, or of a joint's force, at a signal's times."""
+        parts = [channel_truth(case, channel, n, signal.time) for n in (bodies if channel in LEVELS else [joint])]
+        values = np.stack(parts, axis=1)
         if channel is Channel.POSITION:
             values[..., 2] = np.unwrap(values[..., 2], axis=0)
-        return Signal(signal.time, values if channel in LEVELS else values[:, 0])
+        if channel in LEVELS:
+            return Signal(signal.time, values)
+        alone = values[:, 0]
+        return Signal(signal.time, np.hypot(*alone.T) if signal.values.ndim < alone.ndim else alone)
 
-    bodies = [body.name for body in scene.bodies]
-    signals = {channel.value: getattr(history, channel.value) for channel in (*LEVELS, Channel.TORQUE)}
-    forces = {name: right(Channel.JOINT_FORCE, [name], signal) for name, signal in history.joint_force.items()}
-    for name, signal in history.joint_force.items():
-        if signal.values.ndim == 1:
-            forces[name] = Signal(signal.time, np.hypot(*forces[name].values.T))
-    return History(
-        **{name: signal and right(Channel(name), bodies, signal) for name, signal in signals.items()},
-        joint_force=forces,
-    )
+    return History.of({key: right(*key, signal) for key, signal in history.signals.items()})
 
 
 @dataclass(frozen=True)
@@ -170,8 +165,8 @@ def signal_errors(
     """
     left_out = {Channel.TORQUE} if not case.is_prescribed else set()
     left_out |= {Channel.JOINT_FORCE} if case.unbounded_at is not None else set()
-    given: dict[str, Any] = {c.value: getattr(history, c.value) for c in channels if c not in left_out}
-    only = History(**given)
+    wanted = {*channels} - left_out
+    only = History.of({key: signal for key, signal in history.signals.items() if key[0] in wanted})
     pairs = zip(readings(scene, only), readings(scene, true_history(case, scene, only)), strict=True)
     signals = [(read, true, _counted(case, read)) for read, true in pairs if not read.is_meaningless]
     peaks: dict[tuple[Channel, str, int], float] = {}
