@@ -13,12 +13,12 @@ import numpy as np
 from analytic.designs.derivatives import signal_values
 from analytic.designs.figures import Reduction
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.arrays import Array
 from comparisons.designer.parameters import (
     NamedFigure,
     OpenEndFigures,
     SteadyCase,
+    known_figures,
     named_figures,
 )
 from comparisons.designer.problem import (
@@ -159,7 +159,7 @@ class Optimum:
     def curves(self) -> dict[str, Array]:
         """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI."""
         case, grid = self.problem.case, self.problem.maxima.grid
-        figures = (*self.problem.figures, *_known_figures(case.mechanism, ["Mkr.peak"]))
+        figures = (*self.problem.figures, *known_figures(case.mechanism, ["Mkr.peak"]))
         signals = tuple(dict.fromkeys(figure.figure.signal for figure in figures))
         rows = [
             signal_values(case.mechanism, numbers, signals, grid, speed=case.speed)
@@ -212,7 +212,7 @@ def optimise(
     multiple = step_size(varied, step) if step else 0.0
     aims, texts = named_figures(case.mechanism, [figure]), constraint_texts(case.mechanism, keep)
     _check_figures(aims, tuple(texts), figure, is_least=is_least)
-    names = dict.fromkeys(each.name for each in (*aims, *texts, *_known_figures(case.mechanism, REPORTED)))
+    names = dict.fromkeys(each.name for each in (*aims, *texts, *known_figures(case.mechanism, REPORTED)))
     figures = named_figures(case.mechanism, names)
     before = {variable.parameter.name: variable.parameter.value for variable in varied}
     own = case.figures_of(before, figures)
@@ -244,17 +244,6 @@ def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], typ
     if len(aims) > 1 and aims[0].figure.reduction not in (OF_HIGHEST if is_least else (Reduction.MIN,)):
         names = ", ".join(aim.name for aim in aims)
         raise LinkproofError(f"expected one figure, got {typed}, which stands for {names}; choose one of them")
-
-
-def _known_figures(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
-    """The figures of these names, without those that the linkage lacks."""
-    figures: list[NamedFigure] = []
-    for name in names:
-        try:
-            figures += named_figures(mechanism, [name])
-        except LinkproofError:
-            continue
-    return figures
 
 
 def _size(figure: NamedFigure, *values: float) -> float:

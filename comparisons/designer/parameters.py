@@ -169,6 +169,17 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
     return tuple(NamedFigure(name, file_unit(si, linkage), si, figures[name]) for name, si in units.items())
 
 
+def known_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
+    """The figures of these names, in their order, without those that the linkage lacks."""
+    figures: list[NamedFigure] = []
+    for name in names:
+        try:
+            figures += named_figures(mechanism, [name])
+        except LinkproofError:
+            continue
+    return tuple(figures)
+
+
 # The case in which designs are compared: a linkage whose driver moves at constant speed over a turn, or over a range.
 
 

@@ -20,15 +20,12 @@ from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError, shortened
 from analytic.files import read_file
-from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.arrays import Array, Booleans
-from analytic.signals import names
 from comparisons.designer.parameters import (
     NamedFigure,
     OpenEndFigures,
     Parameter,
     SteadyCase,
-    named_figures,
 )
 
 if TYPE_CHECKING:
@@ -215,7 +212,7 @@ def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two
     return values
 
 
-USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
+USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min", STROKE)  # figures where none are named
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
 LARGEST: Final = 200_000  # designs of a block, of which a few arrays are in memory
 REFINED: Final = 10  # cost of a refined figure over that of a sampled figure
@@ -298,16 +295,6 @@ class SweepStudy:
         space = self.request.space
         columns = dict(zip((parameter.name for parameter in space.parameters), space.columns, strict=True))
         return labelled_dataset(self.request, columns, self.values.reshape(-1, *space.shape))
-
-
-def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
-    """The figures if the user names none: peaks of torque and forces, least transmission angles, and the stroke.
-
-    Those that the linkage lacks are left out.
-    """
-    signals = names(mechanism)
-    usual = [name for name in USUAL if any(key.partition(":")[0] == name.partition(".")[0] for key in signals)]
-    return named_figures(mechanism, [*usual, *([STROKE] if "S" in signals else [])])
 
 
 def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = lambda *_: None) -> SweepStudy:

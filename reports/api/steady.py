@@ -20,14 +20,15 @@ from comparisons.designer.parameters import (
     SAMPLES,
     SteadyCase,
     case_at_speed,
+    known_figures,
     mass_words,
     named_figures,
 )
 from comparisons.designer.sweep import (
     MOST,
+    USUAL,
     DesignSpace,
     SweepRequest,
-    usual_figures,
 )
 from reports.api.motions import requested_case
 from reports.api.options import Motion, SteadyMotion, changed, option_words
@@ -62,7 +63,7 @@ def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str],
     Raises LinkproofError for unknown names, no figure at all and more values than memory holds.
     """
     linkage = case.linkage
-    figures = named_figures(case.mechanism, quantity) if quantity else usual_figures(case.mechanism)
+    figures = named_figures(case.mechanism, quantity) if quantity else known_figures(case.mechanism, USUAL)
     if not figures:
         raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
     if space.count * len(figures) > MOST:
