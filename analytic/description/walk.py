@@ -78,7 +78,10 @@ def _rows(law: Law) -> dict[str | int, tuple[float, ...]]:
 
 
 def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
-    """A load's law with these rows and angles in place of its own; removes the angles from ``rows``."""
+    """A copy of a load's law with these rows and angles in place of its own; removes the angles from ``rows``.
+
+    With rows that are not all plain numbers it is a LawOfNumbers.
+    """
     angles = np.array(rows.pop(ANGLES)) if law.angles is not None else None
     flat = tuple(value for row in rows.values() for value in row)
     if not all(isinstance(value, float | int) for value in flat):

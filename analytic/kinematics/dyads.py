@@ -318,7 +318,10 @@ class RRR(_PinDyad):
         return _rod(first, inner.far_local), _rod(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """Poses of both links; the radicand is a product (Heron), so that it is accurate near dead positions."""
+        """Poses of both links; the radicand is a product (Heron), so that it is accurate near dead positions.
+
+        Sets the determinant and the arms.
+        """
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
         d = frames.minus(second.base, first.base)
@@ -393,7 +396,10 @@ class RRP(_PinDyad):
         return _rod(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """Poses of both links, from A's distance to the line as the arm's component across it."""
+        """Poses of both links, from A's distance to the line as the arm's component across it.
+
+        Sets the offset, the determinant and the place of the inner pin.
+        """
         rod, rail = self.sides
         offset = self.offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))
         self.determinant = self.sign * frames.root((rod.length - offset) * (rod.length + offset))
@@ -440,7 +446,10 @@ class PRP(_PinDyad):
         return Rail(first, inner.far_local), Rail(second, inner.near_local)
 
     def meet(self) -> Poses:
-        """Poses of both links; the first travel follows from the vector product with the second line."""
+        """Poses of both links; the first travel follows from the vector product with the second line.
+
+        Sets the determinant and the place of the inner pin.
+        """
         first, second = self.sides
         self.determinant = frames.cross(first.e, second.e)
         travel = second.moment(frames.minus(second.base, first.base)) * frames.inverse(self.determinant)

@@ -208,7 +208,10 @@ def _inertia_unit_slip(ratio: float) -> str:
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
-    """All facts on a linkage up to its first fault, under "fault" too, and that fault as an error; None without one."""
+    """All facts on a linkage up to its first fault, under "fault" too, and that fault as an error; None without one.
+
+    Of a structure that cannot be divided its part so far is a fact.
+    """
     facts = file_facts(linkage)
     try:
         for step in _steps(linkage):

@@ -180,7 +180,7 @@ class Optimum:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the constraints leave nothing to vary."""
+        """Whether the constraints to a single value leave nothing to vary."""
         slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal[:, 1:]
         return len(independent(slopes)) == len(self.problem.variables)
 

@@ -156,7 +156,7 @@ def _read_column(name: str, case: SteadyCase) -> tuple[Parameter, float]:
 
 
 def _read_row(start: str, line: int, row: Sequence[str], names: Sequence[str]) -> list[float]:
-    """The numbers of a design from the cells of its line; raises LinkproofError for other cells, or too few.
+    """The numbers of a design from the cells of its line; raises LinkproofError for other cells, too few or too many.
 
     The message begins with ``start``.
     """

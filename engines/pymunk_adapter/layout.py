@@ -172,6 +172,7 @@ def _layout_of_parts(
 ) -> PartLayout:
     """The parts as a scene, in the positions their owners start in, with anchors from the parts' own centres.
 
+    A part that is cut off is pinned to its owner; sliders and rails are geared to what they keep their angle with.
     ``shoes`` and ``rails`` name the parts that stand for a joint's body and host, by joint.
     """
 

@@ -69,9 +69,9 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
-    """Yield the tasks of one case: every engine in every setting.
+    """Yield the tasks of one case: every engine in every setting, of a released crank in the settings for own regimes.
 
-    Raises LinkproofError for a quantity without a value.
+    Raises LinkproofError for a quantity without a value, but not for a thread's feed that is not asked for.
     """
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
@@ -155,7 +155,7 @@ def judged(
 ) -> RunRecord:
     """Make the run of a pickled case in an engine, in a worker, and judge these quantities by the suite's limits.
 
-    A run that gives no motion has its outcome and reason in each quantity.
+    With it go the invariants, if wanted. A run that gives no motion has its outcome and reason in each quantity.
     """
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)

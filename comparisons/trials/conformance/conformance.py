@@ -53,7 +53,8 @@ BESIDE = 4  # samples from the start, or from where two parts meet
 def check_channel(channel: Channel, trial: EngineTrial) -> None:
     """Raise AssertionError where a channel of a sample is off the closed form by more than the limit of ``tuned``.
 
-    Raises NotTestedError if the engine does not offer it, or no sample has it.
+    So too where a sample's run has not recorded it. Raises NotTestedError if the engine does not offer it, or no sample
+    has it.
     """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
