@@ -303,7 +303,10 @@ def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
 
 
 def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> TableCell:
-    """The cell of an engine and an error: its times over the mechanisms and the way most of them take."""
+    """The cell of an engine and an error: its times over the mechanisms and the way most of them take.
+
+    Where none gets there it is a dash, with the least error as a note.
+    """
     met = [way for way in ways if way is not None]
     if not met:
         errors = [points.error_max[points.finished].min() for points in engines if points.finished.any()]

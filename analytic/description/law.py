@@ -74,7 +74,10 @@ class Law:
 
     @cached_property
     def _curve(self) -> PPoly:
-        """The cubic spline, or the straight lines, through the table of the law."""
+        """The cubic spline, or the straight lines, through the table of the law, repeating if it has a period.
+
+        For a law without a table there is none.
+        """
         from scipy.interpolate import CubicSpline, PPoly  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None

@@ -398,7 +398,7 @@ class Linkage:
         return f"<Linkage: {self.name} ({self.variant}): {self.title}>"
 
     def _repr_html_(self) -> str:
-        """Title, source and links as HTML for a notebook."""
+        """Title and source as HTML for a notebook, with a table of the links, their masses and points."""
         words = [(name, f"{link.mass:g} kg", ", ".join(link.points)) for name, link in self.links.items()]
         rows = ("".join(f"<td>{escape(word)}</td>" for word in row) for row in words)
         head = "<tr><th>link</th><th>mass</th><th>points</th></tr>"

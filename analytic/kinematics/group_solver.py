@@ -363,7 +363,7 @@ def _point_names(points: Points) -> set[str]:
 
 
 def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
-    """Positions, m, by name: points of placed bodies, and points that the sketch gives."""
+    """Positions, m, by name: points of pins on placed bodies, and points that the sketch gives."""
     known = dict(linkage.sketch)
     for joint in group.joints:
         if isinstance(joint, Revolute) and joint.near in hosts:
