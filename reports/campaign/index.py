@@ -347,7 +347,9 @@ def _verdict(trust: EngineRanking | None, cost: tuple[Paragraph, ...]) -> Iterat
     """
     if trust is not None:
         first, *others = verdict(trust)
-        yield from (Paragraph(first, "verdict"), picture(trust), *(Paragraph(line, "lead") for line in others))
+        yield Paragraph(first, "verdict")
+        yield picture(trust)
+        yield from (Paragraph(line, "lead") for line in others)
     yield from cost
 
 
