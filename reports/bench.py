@@ -321,7 +321,7 @@ def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> Tab
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 # What the points of a sweep share, and what each has of its own: cost, s, and steps.
 SHARED = ("engine", "engine_version", "kind", "setting", "runs")
-OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "readout_seconds", "steps")
+OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "steps")
 
 
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:

@@ -169,7 +169,6 @@ def row(*, error_max=1e-3, lacking=(), detail_of="", **changes):
         "seconds": 1e-2,
         "repeats": (1e-2, 1.2e-2),
         "setup_seconds": 1e-3,
-        "readout_seconds": 2e-3,
         "steps": 700,
         "outcome": "finished",
         "detail": "",

@@ -16,7 +16,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from itertools import groupby
 from pkgutil import resolve_name
-from typing import Any, TypeVar
+from typing import Any
 
 from comparisons.motion.case import Case, unpickle_case
 from comparisons.trials.judging.quantities import (
@@ -43,8 +43,6 @@ JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
 WARM_UP_STEPS = 16.0
 _WARM: set[str] = set()  # the engines this process has run
-
-T = TypeVar("T")
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -86,12 +84,13 @@ def measure(
         if isinstance(usage, Method) and isinstance(adapter, StudiedEngine):
             adapter.methods(scene)  # an engine that cannot say its methods says here why
         _warm_up(adapter, scene, longest_step(case, WARM_UP_STEPS))
-        run, wall = timed(lambda: started(adapter, scene, usage, blank.step))
+        with no_collection():
+            run = started(adapter, scene, usage, blank.step)
         run = checked(run, scene, blank.engine)
         inside = None
         if run.outcome is Outcome.FINISHED and isinstance(usage, Setting):
             inside = engine_seconds(adapter, lambda: started(adapter, scene, usage, None))
-    measured = replace(_with_run(blank, run, wall), engine_seconds=inside)
+    measured = replace(_with_run(blank, run), engine_seconds=inside)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return measured
     try:
@@ -107,18 +106,14 @@ def measure(
     return replace(measured, errors=errors)
 
 
-def _with_run(blank: BenchRun, run: Run, wall: float) -> BenchRun:
-    """A copy of the ``blank`` record with outcome, times and steps of a run.
-
-    ``wall`` is the time of the whole call, s.
-    """
+def _with_run(blank: BenchRun, run: Run) -> BenchRun:
+    """A copy of the ``blank`` record with outcome, times and steps of a run."""
     return replace(
         blank,
         outcome=run.outcome.value,
         detail=run.reason,
         seconds=run.seconds,
         setup_seconds=run.setup_seconds,
-        readout_seconds=max(0.0, wall - run.seconds - run.setup_seconds),
         steps=run.steps,
         runs=max(1, len(run.passes)) if run.history else 0,
         details=dict(run.details),
@@ -227,16 +222,9 @@ def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
             owner = resolve_name(path)
             restored.callback(setattr, owner, attribute, getattr(owner, attribute))
             setattr(owner, attribute, wrapper(getattr(owner, attribute)))
-        timed(run)
+        with no_collection():
+            run()
     return clock.inside
-
-
-def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """The return value of ``work`` and its wall time, s, without the garbage collector."""
-    with no_collection():
-        begun = time.perf_counter()
-        result = work()
-        return result, time.perf_counter() - begun
 
 
 # The sweeps, round after round.
@@ -421,7 +409,6 @@ class Rounds:
                 seconds=min((run.seconds for run in repeats), default=0.0),
                 setup_seconds=min((run.setup_seconds for run in repeats), default=0.0),
                 engine_seconds=min(inside, default=None),
-                readout_seconds=min((run.readout_seconds for run in repeats), default=0.0),
                 repeats=tuple(run.seconds for run in repeats),
                 ended=sweep.ended,
             )

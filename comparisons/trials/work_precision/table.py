@@ -41,10 +41,9 @@ class BenchRun(RunRecord):
     times of the stepping alone, s. ``detail`` says why, where it did not finish, ``ended`` why its sweep goes no
     further.
 
-    Set-up, stepping and reading out (wall time of the call less the other two) are the shortest of the repeats, s, 0
-    where it did not finish; 0 ``runs`` gave no motion. So is ``engine_seconds``, the part of a setting's stepping
-    inside the engine's own calls, clocked in runs of their own; None where the adapter does not name these. A quantity
-    that the engine does not tell has no error, and says why.
+    Set-up and stepping are the shortest of the repeats, s, 0 where it did not finish; 0 ``runs`` gave no motion. So is
+    ``engine_seconds``, the part of a setting's stepping inside the engine's own calls, clocked in runs of their own;
+    None where the adapter does not name these. A quantity that the engine does not tell has no error, and says why.
     """
 
     is_control: bool
@@ -54,7 +53,6 @@ class BenchRun(RunRecord):
     step: float | None
     steps_per_turn: float | None
     repeats: tuple[float, ...] = ()
-    readout_seconds: float = 0.0
     engine_seconds: float | None = None
     outcome: str
     detail: str = ""

@@ -5,8 +5,6 @@
   const AXES = [
     ["set-up and stepping", "set-up and stepping, s", (one) => one.setup_seconds + one.seconds],
     ["stepping alone", "stepping alone, s", (one) => one.seconds],
-    ["all of a run", "set-up, stepping and read-out, s",
-      (one) => one.setup_seconds + one.seconds + one.readout_seconds],
     ["time steps", "time steps, over all runs of a point", (one) => one.steps],
   ];
 

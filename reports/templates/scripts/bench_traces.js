@@ -23,7 +23,7 @@ linkproof.bench = (() => {
       `${point.step ? `${Math.round(point.steps_per_turn)} steps a turn, ${point.step} s` : "step fixed by the adapter"}; ` +
         (sweep.runs > 1 ? `${sweep.runs} runs, extrapolated` : "1 run"),
       `stepping ${time(point.seconds)}, median ${time(point.seconds_median)}`,
-      `set-up ${time(point.setup_seconds)}, read-out ${time(point.readout_seconds)}`,
+      `set-up ${time(point.setup_seconds)}`,
       `${point.steps} steps${sweep.solver && `; ${sweep.solver}`}`,
       ends && `${order ? `order ${order.toFixed(1)}` : "no steady order"}; ${ends}`,
       point.used && wrapped(point.used),
