@@ -91,3 +91,5 @@ def test_a_command_in_an_attribute_repeats_what_was_computed():
         "linkproof optimise rimoldi-164 --minimise Mkr.peak --over 'rod.mass=±5%' --over rod.B.x=170:180 "
         "--keep stroke=29: --round 0.1mm --variant as-printed --speed 500"
     )
+    rod = best["rod.B.x"].attrs
+    assert (rod["low"], rod["high"], rod["units"]) == (pytest.approx(170.0), pytest.approx(180.0), "mm")
