@@ -132,6 +132,13 @@ class Sheet:
         """The signals by name, SI, at the instants of tables and files: the chosen ones, or all."""
         return self.values if self.chosen is None else self.chosen
 
+    @property
+    def columns(self) -> dict[str, Array]:
+        """Every signal of the table, (n,), in the file's units, by name and unit, the axis first."""
+        names = sorted(self.table, key=lambda name: name != self.axis)  # stable: the rest keeps its order
+        units = {name: self.unit(name) for name in names}
+        return {f"{name} [{unit.name}]": self.table[name] / unit.size + 0.0 for name, unit in units.items()}
+
     def unit(self, name: str) -> FileUnit:
         """The file's unit of a signal."""
         return self.file_unit_of(self.units[name])

@@ -108,7 +108,7 @@ class Results(Study):
         """A DataFrame with a column per signal, by name and unit of the file, and a row per instant."""
         import pandas as pd  # noqa: PLC0415
 
-        return pd.DataFrame(columns(self.sheet))
+        return pd.DataFrame(self.sheet.columns)
 
     def plot(self, figure: str | None = None) -> Figure:
         """A figure of the scheme and the curves, or of one ``figure``, by name, alone.
@@ -238,20 +238,13 @@ def _column(sheet: Sheet, name: str) -> list[str]:
 # Results as files.
 
 
-def columns(sheet: Sheet) -> dict[str, Array]:
-    """Every signal at every instant of the table, (n,), in the file's units, by name and unit, the axis first."""
-    names = sorted(sheet.table, key=lambda name: name != sheet.axis)  # stable: the rest keeps its order
-    units = {name: sheet.unit(name) for name in names}
-    return {f"{name} [{unit.name}]": sheet.table[name] / unit.size + 0.0 for name, unit in units.items()}
-
-
 def csv_table(sheet: Sheet, decimal: str = ".") -> str:
     """The sheet as CSV text, a column for each signal; ``decimal`` is the mark in numbers.
 
     With a decimal comma, semicolons separate the cells, and a byte-order mark makes a spreadsheet read UTF-8, so that
     it shows ° and φ as they are.
     """
-    text, table = io.StringIO(), columns(sheet)
+    text, table = io.StringIO(), sheet.columns
     has_comma = decimal == ","
     writer = csv.writer(text, lineterminator="\n", delimiter=";" if has_comma else ",")
     writer.writerow(table)

@@ -12,14 +12,13 @@ from openpyxl.cell import WriteOnlyCell
 from analytic.description.written import finite
 from analytic.errors import printable
 from comparisons.designer.sheet import Sheet
-from reports.designs.results import columns
 
 Cell = str | float | None
 
 
 def workbook(sheet: Sheet) -> bytes:
     """The bytes of an .xlsx file: numbers are numbers, empty where they have no bound, and no name is a formula."""
-    table = columns(sheet)
+    table = sheet.columns
     head = ("figure", "signal", "value", "unit", f"at φ [{sheet.unit('phi').name}]", "at time [s]", "at open end")
     pages = {
         "curves": [[*table], *np.column_stack([*table.values()]).tolist()],
