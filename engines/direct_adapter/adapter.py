@@ -205,16 +205,6 @@ STOP_MARGIN = 1e-3  # rad or units before a position that the path cannot pass
 LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
-def integrate_motion(equations: Equations, spacing: float | None) -> tuple[History, int]:
-    """History of a scene, and number of instants or time steps; raises UnsolvableError with the reason.
-
-    ``spacing``, s, is the longest between samples; None takes as many as show the motion's every turn.
-    """
-    if isinstance(equations.scene.drive, Prescribed):
-        return _prescribed_motion(equations, equations.scene.drive, spacing)
-    return _free_motion(equations, equations.scene.drive, spacing)
-
-
 def _sample_times(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
     """Instants, s, from 0 to ``duration``: ``spacing`` apart or less, or as many as ``turns`` need if that is None.
 
@@ -355,7 +345,11 @@ def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
             raise DivergedError(reason)
         equations = _checked_equations(scene)
     with cost.timing("seconds"), np.errstate(all="ignore"):  # numbers that are not finite are named later
-        history, cost.steps = integrate_motion(equations, spacing)
+        history, cost.steps = (
+            _prescribed_motion(equations, scene.drive, spacing)
+            if isinstance(scene.drive, Prescribed)
+            else _free_motion(equations, scene.drive, spacing)
+        )
     return history
 
 

@@ -80,11 +80,6 @@ def check_step(step: float) -> None:
         raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
 
 
-def whole_steps(duration: float, step: float, least: int) -> int:
-    """The number, at least ``least``, of equal steps of at most ``step``, s, that fill a duration, s."""
-    return max(least, math.ceil(duration / step - ROUNDING))
-
-
 # A prescribed motion cut into intervals, each started anew, in a whole number of basic steps.
 
 
@@ -128,15 +123,12 @@ class Pace:
     turn: float = FULL_TURN
 
 
-def whole_interval(duration: float, step: float, least: int) -> Interval:
-    """All of a run, of this duration, s, as one interval in at least ``least`` equal steps of at most ``step``, s."""
-    return Interval(0.0, duration, whole_steps(duration, step, least))
-
-
-def released_intervals(duration: float, kinks: Sequence[float], step: float) -> list[Interval]:
-    """A released crank's run of a duration, s, cut at ``kinks``, s, of its torque; steps are at most ``step``, s."""
-    borders = [0.0, *(kink for kink in kinks if 0.0 < kink < duration), duration]
-    return [Interval(start, end, whole_steps(end - start, step, 1)) for start, end in pairwise(borders)]
+def even_intervals(duration: float, step: float, least: int, cuts: Sequence[float] = ()) -> list[Interval]:
+    """A run of a duration, s, cut at ``cuts``, s: each part in ``least`` or more equal steps of at most ``step``, s."""
+    borders = [0.0, *(cut for cut in cuts if 0.0 < cut < duration), duration]
+    return [
+        Interval(start, end, max(least, math.ceil((end - start) / step - ROUNDING))) for start, end in pairwise(borders)
+    ]
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:

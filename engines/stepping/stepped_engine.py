@@ -33,10 +33,9 @@ from engines.stepping.intervals import (
     Pace,
     UnsupportedError,
     check_step,
+    even_intervals,
     intervals,
-    released_intervals,
     run_stepping,
-    whole_interval,
 )
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, extrapolate, weights
@@ -73,12 +72,12 @@ class Recipe(Pace):
         if isinstance(drive, Free):
             longest = pace._longest_step(drive.pace or _start_pace(scene))
             if drive.over_time is not None and self.at_kinks:
-                return released_intervals(drive.duration, drive.over_time.times, longest)
-            return [whole_interval(drive.duration, longest, self.least_steps)]
+                return even_intervals(drive.duration, longest, 1, drive.over_time.times)
+            return even_intervals(drive.duration, longest, self.least_steps)
         motion = drive.motion
         longest = pace._longest_step(motion.peak_speed)
         if not self.restarted:
-            return [whole_interval(motion.duration, longest, self.least_steps * min(len(motion.segments), MANY))]
+            return even_intervals(motion.duration, longest, self.least_steps * min(len(motion.segments), MANY))
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest_step(self, speed: float) -> float:
