@@ -306,7 +306,7 @@ class _Design:
             result.append(_highest_top(extreme, values[is_its], slopes[:, is_its], places[is_its], largest))
         return result
 
-    def means(self, figures: Sequence[Figure], grid: Array, zero_of_s: Curve) -> dict[Figure, Curve]:
+    def means(self, figures: Sequence[Figure], grid: Array, zero_of_s: Curve) -> dict[SignalExtreme | Figure, Curve]:
         """Each mean over a grid's whole length and its derivatives (parameters,) by figure, from one integration.
 
         S counts from ``zero_of_s``.
@@ -329,7 +329,7 @@ class _Design:
             return np.stack([*rows, *(1.0 / np.broadcast_to(size, phi.shape) for size in sizes)])
 
         means = averages(integrands, mean_cells(grid, self._mechanism_of_loads))[:, 0].tolist()
-        result = {}  # behind the figures are the determinants
+        result: dict[SignalExtreme | Figure, Curve] = {}  # behind the figures are the determinants
         for figure, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = figure.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
             if figure.reduction is Reduction.RMS:  # none is below zero, where it is level or has a kink

@@ -1,1 +1,1 @@
-"""Tables and pictures of studies of many designs: sweeps, optima, tolerances, engines over a space of designs."""
+"""What a designer asks for, shown: results of a linkage, its check, sweeps, optima, tolerances; tables, files, pictures."""
