@@ -1,1 +1,1 @@
-"""What a designer asks for, shown: results of a linkage, its check, sweeps, optima, tolerances; tables, files, pictures."""
+"""What a designer is shown: results of a linkage, its check, sweeps, optima and tolerances, in print and files."""

@@ -1,1 +1,1 @@
-"""What the functions of ``linkproof`` return: a class of each study, all of them printed, saved and judged alike."""
+"""Studies that the functions of ``linkproof`` return, of engines, trials and judged files, printed and saved alike."""
