@@ -104,6 +104,7 @@ def test_tables_files_and_json_of_an_optimum_have_the_same_figures(tmp_path):
     new = load(best)
     for link in ("rod", "rocker"):
         assert new.links[link].points["B"][0] == pytest.approx(numbers[f"{link}.B.x"]["written"], rel=1e-15)
+        assert numbers[f"{link}.B.x"]["before"] == load("rimoldi-164").links[link].points["B"][0]
     assert figures["stroke"]["after"] == pytest.approx(figures["stroke"]["before"], rel=1e-9)
     assert document["search"]["residual"] < 1e-6
     for text in (
