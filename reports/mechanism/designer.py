@@ -200,8 +200,8 @@ def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host) -> None:
                     axes.annotate(f"{at}°", place, away, textcoords="offset points", ha="center", va="center")
         peak = words(sheet, sheet.peaks[f"{vector}:magnitude"]).replace(" ", "\N{NO-BREAK SPACE}")
         title = f"{printable(plain(vector.partition(':')[2] or vector))}, {peak}"
-        axes.set_title(wrap(title, FULL_WIDTH / PER_ROW - 0.6))
-        axes.margins(0.1, 0.15)
+        axes.set_title(wrap(title, FULL_WIDTH / PER_ROW - 0.6), pad=14.0)  # points, above the names of quarters
+        axes.margins(0.15, 0.3)
         axes.locator_params(nbins=4)
         draw.finish(axes, f"Fx, {unit}", f"Fy, {unit}", equal=True)
     for axes in grid[len(vectors) :]:
