@@ -58,7 +58,7 @@ LEAST_NOISE = 0.05
 
 
 def way_words(record: Row) -> str:
-    """The way to a point in words: method and, after "@", its steps per turn, if it has any."""
+    """The way to a point in words: method and, after "@", its steps per turn, "RK4 @ 720"; of a setting its name."""
     return " @ ".join(filter(None, (method_words(record), per_turn(record))))
 
 
@@ -72,21 +72,24 @@ def method_words(record: Row) -> str:
 
 
 def effort_words(effort: float | None, unit: str) -> str:
-    """A solver's effort in words: "300 iterations"; for None that it is the engine's own, "" without a unit."""
+    """A solver's effort with its unit in words: "300 iterations", "tolerance 1e-8".
+
+    For None that it is the engine's own; "" for None without a unit.
+    """
     if effort is None:
         return f"the engine's own {unit}" if unit else ""
     return f"{unit} {bound(effort)}" if "tolerance" in unit else f"{effort:g} {unit}"
 
 
 def per_turn(record: Row) -> str:
-    """Steps per turn as text; "" for a setting."""
+    """Steps per turn as a whole number in text; "" for a setting, which has none."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
 def least_words(sweep: DataFrame) -> str:
-    """The least error of a sweep in words, with its steps per turn; called a floor if finer steps do not lower it.
+    """The least error of a sweep over the peak, with its steps per turn: "floor 1.2e-9 @ 720".
 
-    The error is over the peak.
+    It is called a floor if finer steps do not lower it, else least. ``sweep`` has the rows of one method and quantity.
     """
     best = least(sweep)
     return f"{'floor' if has_floor(sweep) else 'least'} {error(best.error_max)} @ {per_turn(best)}"
@@ -98,7 +101,7 @@ def noise_share(bench: Bench) -> float:
 
 
 def noise_note(bench: Bench) -> str:
-    """A sentence on how the times were measured."""
+    """A sentence on how the times were measured: how many repeats, and by what share they scatter."""
     return sentence("machine_noise", noise=bench.noise, repeats=bench.document["extent"]["repeats"])
 
 
@@ -109,12 +112,15 @@ def engine_labels(bench: Bench) -> dict[str, str]:
 
 
 def judged_by(regimes: Regimes) -> str:
-    """The quantities by which the places of these regimes are judged, in words, with "or"."""
+    """The quantities by which the places of these regimes are judged, as text: "Mkr or phi"."""
     return " or ".join(dict.fromkeys(plain(foremost(place)) for places in regimes.values() for place in places))
 
 
 def failed_methods(points: DataFrame) -> tuple[str, ...]:
-    """Methods that never finished, by reason, as texts; then what the engine leaves out of the quantities."""
+    """Methods that never finished as texts, "RK4, Euler: diverged: …", one per reason, then what the engine leaves out.
+
+    ``points`` are the rows of one engine in a place. What is left out are its quantities, as it states them.
+    """
     done = points[points.finished]
     first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()
     names = grouped((f"{row.outcome}: {row.detail}", row.setting or row.engine) for row in first)
@@ -123,7 +129,7 @@ def failed_methods(points: DataFrame) -> tuple[str, ...]:
 
 
 def overhead_words(record: Row) -> str:
-    """The adapter's own share of the stepping as text, in per cent; a dash where it is not known."""
+    """The adapter's own share of the stepping in whole per cent, as text; a dash where it is not known."""
     return ABSENT if record.overhead is None else f"{100.0 * record.overhead:.0f} %"
 
 
@@ -141,7 +147,7 @@ POINTS = ["mechanism", "regime", "engine", "setting", "runs", "effort", "step", 
 def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
     """The printed benchmark: a block per mechanism, regime and requested, or else foremost, quantity.
 
-    All points follow as details.
+    ``requested`` are names; those that a place has not measured are left out there. All points follow as details.
     """
     blocks: list[Printed] = []
     for place in places(bench):
@@ -168,9 +174,9 @@ def _place_printout(place: DataFrame, quantity: str) -> Iterator[Printed]:
 
 
 def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str], str]) -> list[Table]:
-    """Methods, cheapest ways and settings in a quantity of a place; a table without rows is left out.
+    """Methods, cheapest ways and settings in a quantity of a place, tables in this order; one without rows is left out.
 
-    ``about`` describes methods by engine and name.
+    ``about`` has the descriptions of methods by engine and method's name.
     """
     groups = engines(place, quantity)
     methods = [_method_row(sweep, about) for points in groups for sweep in sweeps(points)]
@@ -196,7 +202,10 @@ def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple
 
 
 def _choice_rows(points: DataFrame) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of an engine's cheapest way to each wanted error; errors that one point serves share a row."""
+    """Yield the rows of an engine's cheapest way to each wanted error: label, error, time, way, as texts.
+
+    Neighbouring errors that one point serves share a row. ``points`` are the engine's rows in a quantity.
+    """
     label, least_error = points.label.iloc[0], points.error_max[points.finished].min()
     for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):
         errors = [bound(error) for _, error in part]
@@ -213,7 +222,7 @@ WHERE = ["mechanism", "regime"]
 
 
 def drawn_error(record: Row) -> float:
-    """The largest error over the peak, raised or cut to the range that diagrams show; the least for none."""
+    """The largest error over the peak, raised or cut to 1e-16 … 10, the range of diagrams; the least for none."""
     return min(max(record.error_max or 0.0, LEAST), MOST)
 
 
@@ -224,7 +233,10 @@ NAMED = (0, 1, 4)
 
 
 def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
-    """A paragraph per regime on the cheapest engines for a few errors; times within a share ``noise`` are equal."""
+    """A paragraph per regime on the cheapest engines for a few errors, controls aside.
+
+    Times within a share ``noise`` of each other are equal.
+    """
     chosen = {
         name: [[choices(points) for points in engines(place) if not points.is_control.any()] for place in places]
         for name, places in regimes.items()
@@ -254,10 +266,10 @@ def _error_words(error: float) -> str:
 
 
 def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, int]]:
-    """Each engine that is cheapest somewhere: name, its times, and in how many places; the most first.
+    """Each engine that is cheapest somewhere: name, span of its times in words, and in how many places; the most first.
 
-    ``places`` have the choices of every engine, of which the error is in a ``column``. All whose times are within the
-    noise of the least are the cheapest.
+    ``places`` have the choices of every engine, one for each of ``WANTED``, of which ``column`` is the index. All whose
+    times are within the share ``noise`` of the least are the cheapest.
     """
     best = []
     for place in places:
@@ -303,9 +315,10 @@ def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
 
 
 def _times_cell(engines: Sequence[DataFrame], ways: Sequence[Row | None]) -> TableCell:
-    """The cell of an engine and an error: its times over the mechanisms and the way most of them take.
+    """The cell of an engine and an error: its times over the mechanisms, and the way most of them take as a note.
 
-    Where none gets there it is a dash, with the least error as a note.
+    Where none gets there it is a dash, with the least error as the note. ``engines`` has the engine's rows in each
+    place, ``ways`` its cheapest way there, or None.
     """
     met = [way for way in ways if way is not None]
     if not met:
@@ -327,7 +340,7 @@ OWN = ("step", "steps_per_turn", "seconds", "seconds_median", "setup_seconds", "
 def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
     """The diagram of all places; the first one's data are on the page, the others are loaded when they are chosen.
 
-    ``labels`` are the engines' by name.
+    ``regimes`` must have a place; ``labels`` are the engines' by name, a control's differing from its name.
     """
     places = {anchor(*place[PLACE].iloc[0]): place for group in regimes.values() for place in group}
     known, (first, *others) = looks(labels, {name for name in labels if labels[name] != name}), places
@@ -340,7 +353,7 @@ def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
 
 
 def place_data(place: DataFrame) -> dict[str, Any]:
-    """Sweeps and settings of one mechanism and regime for the diagram, JSON-ready.
+    """Sweeps and settings of one mechanism and regime for the diagram, JSON-ready, under "quantities" and "sweeps".
 
     A quantity is its name, a reader's, its unit and the closed form's peak; the foremost is the first.
     """
@@ -380,7 +393,7 @@ def _sweep_data(sweep: DataFrame) -> dict[str, Any]:
 
 
 def _digits(value: object) -> object:
-    """A float rounded to four digits; any other value unchanged."""
+    """A float rounded to four significant digits; any other value unchanged."""
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
@@ -390,7 +403,10 @@ LINK = PageLink("Work-precision", "bench.html")
 
 
 def page(bench: Bench) -> Page:
-    """The page of a benchmark."""
+    """The page of a benchmark: verdicts and diagram, choices, failures, how it was measured.
+
+    Where nothing finished a sentence on that stands in place of the first two.
+    """
     every, labels = places(bench), engine_labels(bench)
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
@@ -412,7 +428,10 @@ def cost(bench: Bench) -> tuple[Paragraph, ...]:
 
 
 def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
-    """Each reason for runs without a result, once, with the places among ``every`` where it occurred."""
+    """Each reason for runs without a result, once, with the places among ``every`` where it occurred, as sentences.
+
+    ``every`` has the rows of each place.
+    """
     groups = grouped(
         (f"{points.label.iloc[0]}, {reason}", "{} in {}".format(*place[WHERE].iloc[0]))
         for place in every

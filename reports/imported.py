@@ -29,7 +29,7 @@ MOST_OTHERS = 4  # causes listed besides the likeliest
 
 
 def share(value: float) -> str:
-    """A ratio as text in per cent, to two digits: 13 %, 0.0021 %; 0 % for rounding."""
+    """A ratio as text in per cent, to two digits: 13 %, 0.0021 %, 3.1e-6 %; whole above 10 %, 0 % below 1e-12."""
     if value < NOTHING:
         return "0 %"
     digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
@@ -39,7 +39,7 @@ def share(value: float) -> str:
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """The output of ``judge``: the verdict, causes, a table of signals and one of columns.
 
-    ``title`` names linkage and files.
+    ``title``, printed first, names linkage and files.
     """
     verdict, *others = sentences(judgement)
     over = _names_with(judgement, Verdict.OVER_LIMIT)
@@ -60,7 +60,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
 
 
 def sentence(judgement: ImportedJudgement) -> str:
-    """The verdict of a judgement in one sentence."""
+    """The verdict of a judgement in one sentence, with the signals over the limit or undecided, up to five each."""
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
     over, open_ = (_names_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
     still_open = f"; {len(open_)} undecided: {_first_names(open_)}" if open_ else ""
@@ -82,7 +82,10 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
-    """The verdict, why signals are open, the causes, what to accept and what was accepted, a sentence each."""
+    """The verdict and all that explains it, a sentence each.
+
+    After it why signals are open, the causes, noise and signals without a cause, what to accept and what was accepted.
+    """
     written = judgement.imported.written
     lines = [sentence(judgement), *_undecided_sentences(judgement)]
     lines += [_cause_in_a_sentence(judgement, finding) for finding in judgement.explanation.findings]
@@ -95,7 +98,7 @@ def sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
-    """The likely cause of the difference in some signals, its rivals, and what it leaves unexplained."""
+    """The likely cause of the difference in some signals with its rivals, and a second sentence on what it leaves."""
     aligned = "".join(
         f"with {name} corrected first by {judgement.imported.written(name, c)} " for name, c in finding.aligned.items()
     )
@@ -107,7 +110,7 @@ def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) ->
 
 
 def _names_with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
-    """Names of the signals with this outcome."""
+    """Names of the signals whose verdict is ``outcome``."""
     return [verdict.name for verdict in judgement.verdicts if verdict.outcome is outcome]
 
 
@@ -151,7 +154,10 @@ def _worst_place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
-    """The cells of one signal: error, limit by rounding, time, ``place`` and both values where it is worst."""
+    """The cells of one signal: error, rounding, time, ``place`` and both values where it is worst, unit.
+
+    A name has a * where the signal is near zero.
+    """
     sign, unit, value = RUNS[verdict.outcome.value], verdict.unit, verdict.unit_value
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.time) else 0.0
@@ -194,7 +200,10 @@ def _remaining_error(finding: FaultFinding) -> str:
 
 
 def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentence: str) -> dict[str, Any]:
-    """The judgement as JSON-ready data, SI, angles in rad; ``run`` is the judgement as a run."""
+    """The judgement as JSON-ready data, SI, angles in rad.
+
+    ``run`` is the judgement as a run, ``command`` repeats it, ``sentence`` is its verdict.
+    """
     return {
         "command": command,
         "conditions": run.conditions,
@@ -217,7 +226,7 @@ def document(judgement: ImportedJudgement, run: RunRecord, command: str, sentenc
 
 
 def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
-    """The judgement as a run whose engine is called ``files``; each error's detail names its likeliest cause."""
+    """The judgement as a run whose engine is called ``files``; each error's detail ends in its likeliest cause."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank motion from {judgement.motion_source}"
     run = RunRecord(linkage.name, linkage.variant, motion.regime, conditions, files, "", IMPORTED, runs=1)
@@ -226,14 +235,14 @@ def run_of_judgement(judgement: ImportedJudgement, files: str) -> RunRecord:
 
 
 def _with_cause(error: Error, judgement: ImportedJudgement) -> Error:
-    """A record whose detail ends in the likely cause, if there is one."""
+    """A copy of a record whose detail ends in the likely cause; the record itself if there is none."""
     words = [f.likeliest.words for f in judgement.explanation.findings if error.quantity in f.signals]
     detail = "; likely cause: ".join([error.detail, *words]).removeprefix("; ")
     return error._replace(detail=detail) if words else error
 
 
 def _signal(verdict: SignalVerdict) -> dict[str, Any]:
-    """The data of one signal: column, errors, and the place of the largest, s and rad; JSON-ready."""
+    """The data of one signal: column, rounding, and time, s, crank angle, rad, and values of the worst; JSON-ready."""
     return {
         "name": verdict.name,
         "column": verdict.imported.column.header,
@@ -276,8 +285,8 @@ HEIGHT: Final = 4.4  # inches: of the two panels of a curve
 def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
     """A figure of the three worst curves side by side, each above its difference from the closed form.
 
-    They are curves of signals over the limit or undecided, or of all if there are none; their worst places are marked.
-    Those without the likeliest cause are dashed. ``title`` names linkage and files.
+    They are curves of signals over the limit or undecided, or of all if there are none; a line is at their worst place.
+    Without the likeliest cause they are drawn dashed too. ``title`` names linkage and files.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 

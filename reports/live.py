@@ -55,7 +55,8 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
     """The linkage file as templates: as it is, if its own values are meant, and with the variant's numbers written out.
 
     ``names`` are those of the numbers in them. A number that the first one lacks, as its file leaves it out or has it
-    in another form, is in the second one, which there is if the file can be written so.
+    in another form, is in the second one, which there is if the file can be written so. There may be one of them or
+    none.
     """
     text, name, names = linkage.text, linkage.name, tuple(names)
     own_variant = loading.document(text, name, name)[0].get("variant", "base")
@@ -66,7 +67,10 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
 
 
 def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) -> FileTemplate:
-    """The text of a file as a template of these numbers, whose ``places`` are given; those it lacks are left out."""
+    """The text of a file as a template of these numbers, whose ``places`` are given, the keys down to each.
+
+    Those that the file lacks are left out. Raises KeyError for a name without a place.
+    """
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415
 
@@ -127,7 +131,7 @@ ROUNDING: Final = 1e-12  # relative: what the file's units leave of a number
 
 
 def model_of(sheet: Sheet) -> Model | str:
-    """The model of a sheet's linkage and motion, or the reason why its page can change no numbers."""
+    """The model of a sheet's linkage and motion, or, as a text, the reason why its page can change no numbers."""
     try:
         return model(Mechanism(sheet.linkage), sheet.motion)
     except LinkproofError as error:
@@ -137,7 +141,7 @@ def model_of(sheet: Sheet) -> Model | str:
 def live_widget(sheet: Sheet, model: Model | str, instead: tuple[Part, ...]) -> Widget:
     """The widget with the drawing and curves of a sheet; ``instead`` is shown where no script runs.
 
-    Without a model, but a reason, it holds samples of the motion, and nothing on it can be changed.
+    Without a model, but a reason as ``model_of`` gives it, it holds samples of the motion, and nothing can be changed.
     """
     label = f"{sheet.linkage.title or sheet.name} in motion"
     mechanism, length = Mechanism(sheet.linkage), sheet.file_unit_of("m")
@@ -176,7 +180,7 @@ def _sampled(sheet: Sheet) -> dict[str, Any]:
 def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, Any]]:
     """The names of sampled arrows, and the packed values of φ, results and arrows at instants evenly spaced in time.
 
-    Poses follow from φ.
+    Arrows are the components of velocities, accelerations and loads, SI. Poses follow from φ.
     """
     order = np.argsort(sheet.values["time"])
     known = {name: values[order] for name, values in sheet.values.items()}
@@ -198,7 +202,10 @@ def _samples(sheet: Sheet, mechanism: Mechanism) -> tuple[list[str], dict[str, A
         arrows |= _pair(f"load:{n}", np.broadcast_to(np.array([c * x - s * y, s * x + c * y]), (2, len(phi))))
 
     def curve(name: str) -> Array:
-        """A signal (n,), SI, at the instants: a link's angle, a point's coordinate, or one of the sheet's."""
+        """A signal (n,), SI, at the instants: a link's angle, a point's coordinate, or one of the sheet's by name.
+
+        Raises KeyError for one that the sheet lacks.
+        """
         kind, _, rest = name.partition(":")
         if kind == "link":
             return np.asarray(sweep.angles(rest.removesuffix(":angle")))
@@ -215,7 +222,10 @@ def _pair(name: str, values: Array) -> dict[str, Array]:
 
 
 def _numbers(model: Model) -> dict[str, Any]:
-    """The data of every number of the formulas and the file, with the file as templates, JSON-ready."""
+    """The data of every number of the formulas and the file, with the file as templates, JSON-ready.
+
+    Under "numbers" a row for each, "files" the templates, "sketch" the angle of the sketch, rad.
+    """
     linkage, every = model.mechanism.linkage, named_numbers(model.mechanism.linkage)
     chosen = {name: number for name, number in every.items() if number.kind != "direction"}
     file = written_numbers(linkage.text, linkage.name, linkage.variant)
@@ -266,13 +276,16 @@ def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[
 
 
 def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> dict[str, Any]:
-    """The row of a number that the file lacks but the page offers: a load's factor, or the speed; JSON-ready."""
+    """The row of a number that the file lacks but the page offers: a load's factor, or the speed; JSON-ready.
+
+    ``role`` is "scale" or "speed", ``value`` is in the ``unit``.
+    """
     row = {"name": name, "group": "motion and loads", "label": label, "value": value, "si": value, "unit": unit}
     return {**row, "size": 1.0, "role": role, "load": None, "offered": True}
 
 
 def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
-    """Data of the drawing, JSON-ready: points of bodies in their frames, m, guides, springs, pulls."""
+    """Data of the drawing, JSON-ready: points of bodies in their frames, m, guides, springs, joints, loads, pulls."""
     linkage = mechanism.linkage
     guides = [(slider.link, slider.point, slider.guide, slider.link) for slider in linkage.sliders]
     guides += [("", slot.point, slot.guide, slot.name) for slot in linkage.slots]
@@ -335,7 +348,10 @@ class Model:
 
 
 def model(mechanism: Mechanism, motion: CrankMotion | None) -> Model | str:
-    """The Model of a linkage under a motion, or the reason in words why it has none; no motion is a released crank."""
+    """The Model of a linkage under a motion, or the reason in words why it has none; motion None is a released crank.
+
+    Raises LinkproofError where its dead positions cannot be computed.
+    """
     if mechanism.is_numerical:
         return "one of its groups has no formula and is solved by Newton's method"
     if not is_traceable(mechanism):
@@ -397,7 +413,10 @@ def is_of_table(number: Number, linkage: Linkage) -> bool:
 
 
 def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
-    """The list of operations of the page's signals; the numbers that a page may change are its inputs."""
+    """The list of operations of the page's signals; the numbers that a page may change are its inputs.
+
+    Raises LinkproofError for a linkage that is not traceable.
+    """
     every = named_numbers(mechanism.linkage).items()
     free = {
         name for name, number in every
@@ -408,7 +427,10 @@ def _trace_signals(mechanism: Mechanism, motion: CrankMotion) -> LinkageTrace:
 
 
 def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
-    """A load's law for the page: knots, cubics, period, 0 without one, corners, and its number among the loads."""
+    """A load's law for the page: knots, cubics, period, 0 without one, corners, and its index among the loads.
+
+    Raises ValueError for a law that is none of the mechanism's loads, each compared by identity.
+    """
     knots, pieces = law.pieces()
     load = [curve is law for curve in loads(mechanism.linkage)].index(True)
     return {"knots": knots, "pieces": pieces, "period": law.period or 0, "corners": law.corners, "load": load}
@@ -417,7 +439,8 @@ def _law_data(law: Law, mechanism: Mechanism) -> dict[str, Any]:
 def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str, Any]:
     """The data of a motion: its pieces and, if it has only one speed, that speed, rpm, to be changed; JSON-ready.
 
-    ``has_ends`` is a cylinder's.
+    That speed is 0 for others. ``has_ends`` is a cylinder's. "range" is the share by which the ends of a motion over
+    the crank's range stay short of its limits, else 0.
     """
     segments = [[segment.start, segment.end, list(segment.coefficients)] for segment in motion.segments]
     first = motion.segments[0].coefficients
@@ -436,7 +459,7 @@ def _motion(motion: CrankMotion, *, is_linear: bool, has_ends: bool) -> dict[str
 
 
 def _open_places(mechanism: Mechanism, motion: CrankMotion) -> list[float]:
-    """The ends, φ in rad or m, of a motion that lie beside a dead position; [] without any."""
+    """The ends, φ in rad or m, of a motion that lie beside a dead position, lower first; [] without any."""
     first, last = (float(motion.angle(np.array([time]))[0]) for time in (0.0, motion.duration))
     return [end.place for end in open_ends(mechanism, first, last)]
 

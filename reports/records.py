@@ -74,7 +74,7 @@ class View:
 
     @cached_property
     def regimes(self) -> tuple[Regime, ...]:
-        """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
+        """The regimes this mechanism ran through, in the order of ``records``, prescribed ones with their motion."""
         motions = {motion.regime: motion for motion in self.results.motions}
         motions |= {own.name: own.motion for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
         conditions = {record.regime: record.conditions for record in self.records}
@@ -85,7 +85,10 @@ class View:
         return tuple(record for record in self.records if record.regime == regime.name)
 
     def runs(self, regime: Regime) -> list[list[Error]]:
-        """Records and invariants of every run of a regime, those of the reference's control last."""
+        """Records and invariants of every run of a regime, a list per run, in the order of ``records``.
+
+        Runs of the control, which is the reference computed another way, are last.
+        """
         groups = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
         return sorted(groups, key=lambda run: any(record.origin == CONTROL for record in run))
 
@@ -100,7 +103,10 @@ class View:
         return frozenset(record.quantity for record in self.results.invariants)
 
     def title(self, quantity: str) -> str:
-        """The title of a quantity or an invariant, with its symbol."""
+        """The title of a quantity or an invariant, its symbol first if it has one, else its words.
+
+        A linear drive has words of its own for some.
+        """
         known = QUANTITIES.get(quantity) if self.linkage.is_linear else None
         words = known.linear_title if known else ""
         symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
@@ -123,13 +129,17 @@ class View:
         return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
 
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
-        """The curves of a quantity under a regime, of every run that gave one; [] without any."""
+        """The curves of a quantity under a regime, of every run that gave one; [] without any.
+
+        Raises KeyError for one that was not stored.
+        """
         return [self._read_trace(regime, record) for record in self.curved(regime, quantity)]
 
     def _read_trace(self, regime: Regime, record: Error) -> Trace:
-        """The curve of a record under a regime; its error is NaN at jumps that the quantity follows.
+        """The curve of a record under a regime, as stored; its error is NaN at jumps that the quantity follows.
 
-        These are jumps of the crank's acceleration.
+        These are jumps of the crank's acceleration. Without a peak the error is absolute. Raises KeyError without a
+        curve.
         """
         time, angle, reference, beyond = self.results.curve(record.run, record.quantity).astype(float)
         error = np.abs(beyond) / (record.peak or 1.0)
@@ -144,29 +154,35 @@ def views(results: CampaignResults) -> tuple[View, ...]:
 
 
 def anchor(*names: str) -> str:
-    """Names joined by dashes to an identifier that links within the page point to."""
+    """Names joined by dashes to an identifier that links within the page point to.
+
+    A dash replaces signs other than letters, digits and underscores.
+    """
     return re.sub(r"\W+", "-", "-".join(names))
 
 
 def family(quantity: str) -> str:
-    """A quantity's name without the part it belongs to, so that forces of all joints are one family."""
+    """A quantity's name up to its first ":", without the part it belongs to: forces of all joints are one family."""
     return quantity.partition(":")[0]
 
 
 def family_title(quantity: str) -> str:
-    """The symbol of a quantity's family or, without one, its name for a reader."""
+    """The symbol of a quantity's family, φ, ω or ε, or its name with spaces for underscores."""
     name = family(quantity)
     return SYMBOLS.get(name, plain(name))
 
 
 def title(quantity: str) -> str:
-    """A quantity's title in words."""
+    """A quantity's title in words; for a name outside the table of quantities the name made readable.
+
+    A name with "=" in it is unchanged.
+    """
     known = QUANTITIES.get(quantity)
     return known.title if known else quantity if "=" in quantity else worded(quantity)
 
 
 def short_title(quantity: str) -> str:
-    """A quantity's symbol or, without one, a few words."""
+    """A quantity's symbol, φ, ω or ε, or else its name in a few words, "force" for "joint force"."""
     return SYMBOLS.get(quantity, worded(quantity).replace("joint force", "force"))
 
 
@@ -200,7 +216,7 @@ class Look(NamedTuple):
 
 
 def looks(names: Iterable[str], controls: Container[str] = ()) -> dict[str, Look]:
-    """The look of each engine, by name in order, the controls last and muted. Up to 63 differ."""
+    """The look of each engine, by name: sorted, the ``controls`` last, muted. Up to 63 differ."""
     return {
         name: Look("muted" if name in controls else f"c{n % COLOURS}", *SHAPES[n % len(SHAPES)])
         for n, name in enumerate(sorted(names, key=lambda name: (name in controls, name)))
@@ -213,7 +229,7 @@ def setting_rank(setting: str) -> int:
 
 
 def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Families of quantities in the order of their definition, and names of invariants as they come."""
+    """Families of quantities, in the table's order and then as they come, and names of invariants as they come."""
     table = dict.fromkeys(family(record.quantity) for record in results.records)
     known = [name for name in QUANTITIES if name in table]
     quantities = (*known, *(name for name in table if name not in known))
@@ -226,12 +242,15 @@ def worst(records: Iterable[Error]) -> Error:
 
 
 def share(record: Error) -> float:
-    """An error divided by its limit; 0 without an error."""
+    """An error divided by its limit, or by 1 without a limit; 0 without an error."""
     return (record.error_max or 0.0) / (record.limit or 1.0)
 
 
 def every_record(results: CampaignResults) -> tuple[Error, ...]:
-    """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity."""
+    """Records and invariants by mechanism, variant and regime in the campaign's order, engine, setting, quantity.
+
+    Raises KeyError for a record of another mechanism than the campaign's.
+    """
     mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
     names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
     regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
@@ -246,7 +265,7 @@ def every_record(results: CampaignResults) -> tuple[Error, ...]:
 
 
 def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -> Iterator[tuple[TableCell | str, ...]]:
-    """Yield rows whose first ``heads`` cells are blank where they repeat those of the row before, up to there."""
+    """Yield rows; each of their first ``heads`` cells is "" if it and all cells left of it are as in the row before."""
     before: tuple[TableCell | str, ...] = ()
     for row in rows:
         words = ("" if row[: n + 1] == before[: n + 1] else word for n, word in enumerate(row[:heads]))
@@ -258,7 +277,10 @@ def blank_repeats(rows: Iterable[tuple[TableCell | str, ...]], heads: int = 1) -
 
 
 def remedy(run: Iterable[Error]) -> str:
-    """Advice on a run with errors over their limits, by its setting; "" if it has none or is another tool's."""
+    """Advice on a run with errors over their limits, by its setting, as a clause without full stop.
+
+    "" if no error is over its limit, or the results are another tool's.
+    """
     over = [record for record in run if record.error_max is not None and Verdict(record.outcome).failed]
     if not over or over[0].origin == IMPORTED:
         return ""
@@ -269,7 +291,10 @@ def remedy(run: Iterable[Error]) -> str:
 
 
 def _limit_and_reason(record: Error, limits: LimitTable) -> tuple[float, str]:
-    """The limit of a record and the reason for it in words; for another tool's results it is the user's own."""
+    """The limit of a record, its own before the table's, and the reason for it in words.
+
+    For another tool's results it is the user's own. Raises LookupError for a quantity that no row of ``limits`` covers.
+    """
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
     table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism, record.engine)
@@ -278,7 +303,10 @@ def _limit_and_reason(record: Error, limits: LimitTable) -> tuple[float, str]:
 
 
 def limit_table(results: CampaignResults) -> Table:
-    """The table of the records' limits, by quantity, the largest first."""
+    """The table of the records' limits, by quantity, the largest first, a row per limit and reason.
+
+    Raises LookupError for a quantity without a limit.
+    """
     names = [name for part in columns(results) for name in part]
     groups = grouped((_limit_and_reason(record, results.limits), record) for record in every_record(results))
     rows = []
@@ -318,7 +346,7 @@ def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
 
 
 def _change_row(entry: Change, count: int = 1) -> tuple[str, ...]:
-    """The row of a change; with ``count``, of so many quantities of a run that changed alike."""
+    """The row of a change, 9 texts; with a ``count`` over 1, of so many quantities of a run that changed alike."""
     mechanism, variant, regime, _, engine, setting, quantity = entry.place
     place = (f"{mechanism} ({variant})", regime, f"{engine} {setting}".rstrip())
     is_figure = engine == CLOSED_FORM
@@ -375,7 +403,10 @@ def computed_or_shared(records: Sequence[Error]) -> str:
 
 
 def readout_table(engine_name: str, groups: Mapping[str, Mapping[str, str]]) -> Table:
-    """The table of an engine's read-outs, which are in the form of ``Abilities.as_dict``."""
+    """The table of an engine's read-outs, of which ``groups`` has source, frame, instant and drive, by channel.
+
+    They are in the form of ``Abilities.as_dict``.
+    """
     rows = tuple(
         (plain(channel), names["source"], names["frame"], names["instant"], names["drive"] or ABSENT)
         for channel, names in groups.items()
@@ -389,14 +420,17 @@ CONCURRENT_RUNS: Final = "runs at a time"  # how many ran side by side, each on 
 
 
 def environment_facts(environment: Mapping[str, str], leave_out: Container[str] = ()) -> list[tuple[str, str]]:
-    """Name and value of each fact, the versions in one; names in ``leave_out`` are given elsewhere."""
+    """Pairs of name and value: date, machine, hosts, commit and runs at a time, as far as known, then all else in one.
+
+    This is "Versions", without the names in ``leave_out``, which are given elsewhere.
+    """
     first = [name for name in ("date", "machine", "hosts", "commit", CONCURRENT_RUNS) if name in environment]
     rest = [f"{name} {version}" for name, version in environment.items() if name not in first and name not in leave_out]
     return [*((name.capitalize(), environment[name]) for name in first), ("Versions", ", ".join(rest))]
 
 
 def concurrency_note(environment: Mapping[str, str]) -> str:
-    """A note on times: "while 4 ran" where runs were made side by side, else ""."""
+    """A clause on times: "while 4 ran" where runs were made side by side, else ""."""
     return f"while {environment[CONCURRENT_RUNS]} ran" if CONCURRENT_RUNS in environment else ""
 
 
@@ -406,7 +440,7 @@ STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED:
 
 
 def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
-    """The printed checks of an adapter: a line each, and how many ended in which way."""
+    """The printed checks of an adapter: a line each, and how many ended in which way, with the engine's name."""
     counts = Counter(each.finding for each in checks)
     closing = f"{engine_name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
     return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])

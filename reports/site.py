@@ -54,18 +54,18 @@ class Contents:
 
     @cached_property
     def kinds(self) -> frozenset[str]:
-        """The kinds of the studies in the folder."""
+        """The kinds of the studies in the folder; raises LinkproofError for one of an older version."""
         every = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
         return frozenset(kind for kind in every if has_study(self.path, kind))
 
     @cached_property
     def campaign(self) -> CampaignResults | None:
-        """The comparison or judgement in the folder; None without one."""
+        """The comparison or judgement in the folder; None without one. Raises LinkproofError for a damaged one."""
         return campaign.load(self.path) if self.kinds & {*campaign.KINDS} else None
 
     @property
     def comparison(self) -> CampaignResults | None:
-        """The comparison of engines in the folder; None without one."""
+        """The comparison of engines in the folder; None without one. Raises LinkproofError for a damaged one."""
         return self.campaign if campaign.COMPARE in self.kinds else None
 
     @cached_property
@@ -103,7 +103,7 @@ class Contents:
         return pages
 
     def _mechanism(self, sheet: Sheet) -> Page:
-        """The page of a mechanism."""
+        """The page of the mechanism of a sheet, with its part of the campaign or judgement in the folder, if any."""
         return mechanism_page.page(sheet, self.campaign)
 
     def _index(self) -> Page:
@@ -131,7 +131,7 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
 
     Files of an earlier report that this one lacks are deleted. ``processes`` worker processes write, one per core by
     default; with 0, or if none can be started, this process does. Raises LinkproofError where another command writes
-    there, and where there is no data.
+    there, where there is no data or it is damaged, and where a file cannot be written.
     """
     contents = Contents(folder, _sheets(folder, processes))
     first, *others = contents.pages
@@ -155,7 +155,7 @@ def write_site(folder: Path, *, processes: int | None = None) -> Path:
 def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
     """The data sheets of a folder's linkages: those of a campaign, then of results that a designer added.
 
-    A campaign's are made in ``processes``.
+    A campaign's are made in ``processes``, one per core for None, none for 0. Raises LinkproofError for damaged data.
     """
     added = [page_sheet(case, tuple(case.mechanism.linkage.released)) for case in load_cases(folder)]
     if not campaign.is_saved(folder):
@@ -166,9 +166,9 @@ def _sheets(folder: Path, processes: int | None) -> tuple[Sheet, ...]:
 
 
 def _write(contents: Contents, link: PageLink) -> tuple[str, ...]:
-    """Write one page with its figures, or the summary; returns the names of its files.
+    """Write one page with its figures, or the summary, into the folder; returns the names of its files.
 
-    Garbage collection is off meanwhile, which saves an eighth.
+    Garbage collection is off meanwhile, which saves an eighth. Raises LinkproofError where a file cannot be written.
     """
     gc.disable()
     try:
@@ -181,7 +181,10 @@ def _write(contents: Contents, link: PageLink) -> tuple[str, ...]:
 
 
 def _replace_file_list(folder: Path, written: set[str]) -> None:
-    """List the written files, and delete those of the list before that are not ``written``, with emptied folders."""
+    """List the written files in ``WRITTEN``, and delete those of the list before that are not ``written``.
+
+    Folders that this empties are deleted too. Raises LinkproofError where the list cannot be written.
+    """
     record = folder / WRITTEN
     before = set(record.read_text(encoding="utf-8").splitlines()) if record.is_file() else set()
     for name in before - written:

@@ -33,9 +33,10 @@ from reports.mechanism.page import page
 
 
 def watch(mechanism: str, motion: Motion, *, opens: bool) -> None:
-    """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``; prints its address.
+    """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``.
 
-    Raises LinkproofError for an installed linkage, and where there is no browser to open.
+    Prints its address on stderr. Raises LinkproofError for an installed linkage or a file that cannot be read, and
+    where there is no browser to open.
     """
     file = _WatchedFile(mechanism, motion)
     try:
@@ -54,7 +55,7 @@ class _WatchedFile:
     """A linkage file; the state of a page is a digest of the file that it shows."""
 
     def __init__(self, mechanism: str, motion: Motion) -> None:
-        """Watch a user's own linkage file; raises LinkproofError for an installed one."""
+        """Watch a user's own linkage file; raises LinkproofError for an installed one or a file that cannot be read."""
         if loading.read(mechanism).is_known:
             raise LinkproofError(
                 f"expected a file of your own, got '{mechanism}', which is installed; copy it and name the copy"
@@ -65,9 +66,9 @@ class _WatchedFile:
         self._fault = ""
 
     def page(self) -> Mapping[str, bytes]:
-        """The page's files by name, for the linkage file as it is now, with the state that identifies them.
+        """The page's files by name, for the linkage file as it is now, with the file's digest as "state".
 
-        They are built anew only when the file has changed.
+        They are built anew, and kept, only when the file has changed.
         """
         with self._lock:
             state = self._file_digest()
@@ -78,7 +79,8 @@ class _WatchedFile:
     def save(self, text: str, state: str) -> None:
         """Replace the file by a page's text, if its ``state`` is still current; raises LinkproofError if not.
 
-        So too if the file has a fault, or the text is no TOML. Line ends stay those of the file.
+        So too if the file has a fault, the text is no TOML, or the file cannot be written. Line ends stay those of the
+        file.
         """
         with self._lock:
             if self._file_digest() != state:
@@ -93,7 +95,7 @@ class _WatchedFile:
             write_file(self.path, text.replace("\n", ends).encode())
 
     def _file_digest(self) -> str:
-        """A digest of the file's content; "no file" if it cannot be read."""
+        """The SHA-256 digest of the file's content in hexadecimal; "no file" if it cannot be read."""
         with suppress(LinkproofError):
             return hashlib.sha256(read_file(self.path, "a linkage file")).hexdigest()
         return "no file"
@@ -142,7 +144,7 @@ class PageServer(ThreadingHTTPServer):
     """Serves the files that ``page`` gives by name, on a free port of this machine.
 
     Among them are index.html and "state", by which a page notices that it has changed. ``address`` leads to it.
-    ``save`` gets a text and the state of the page that it comes from; what it raises is shown on that page.
+    ``save`` gets a text and the state of the page that it comes from; the LinkproofError that it raises is shown there.
     """
 
     def __init__(self, page: Callable[[], Mapping[str, bytes]], save: Callable[[str, str], None]) -> None:
@@ -158,7 +160,7 @@ class PageServer(ThreadingHTTPServer):
         self.address = self.site + self.folder
 
     def process_request(self, request: socket, client_address: object) -> None:  # type: ignore[override]
-        """Answer a request in a thread of its own; with too many open ones, end the oldest."""
+        """Answer a request in a thread of its own; with more than ``MOST_OPEN`` open ones, end the oldest."""
         self._open[request] = None
         if len(self._open) > MOST_OPEN:
             with suppress(OSError):  # it has just ended
@@ -173,7 +175,7 @@ class PageServer(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print an error of the server, unless a browser has only disconnected."""
+        """Print an error of the server on stderr, unless a browser has only disconnected or fallen silent."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 
@@ -183,7 +185,7 @@ class _Request(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """Send a file of the page, or that there is no such file; refuse a request that is not from this page."""
+        """Send a file of the page, 404 if there is no such file; a request that is not from this page gets 403."""
         name = self._requested_file()
         if name is not None:
             content = self.server.page().get(name or "index.html")
@@ -191,7 +193,10 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
-        """Save the text that a page sends, and answer whether that succeeded; refuse other requests."""
+        """Save the text that a page sends and answer 200, or 409 with the reason if that fails.
+
+        Refuses a request that is not from this page with 403, another or longer one than ``MOST`` bytes with 400.
+        """
         name, length = self._requested_file(), self.headers.get("Content-Length", "")
         if name is None:
             return
@@ -207,7 +212,7 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(HTTPStatus.OK)
 
     def _requested_file(self) -> str | None:
-        """The requested file, "" for the folder; None, after refusing, for a request that is not from this page."""
+        """The requested file's name, "" for the folder; None, after sending 403, for a request not from this page."""
         folder, site, headers = self.server.folder, self.server.site, self.headers
         is_known = secrets.compare_digest(self.path[: len(folder)].encode(), folder.encode())
         if is_known and (headers.get_all("Host"), headers.get("Origin", site)) == ([site[len("http://") :]], site):

@@ -66,13 +66,16 @@ def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
 def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Callable[[], Figure]) -> PageFigure:
     """A figure of the page, its file called ``name``; its text without pictures is title, variant and ``what``.
 
-    ``drawing`` draws it when the page is written.
+    ``drawing`` is called when the page is written, and returns the figure.
     """
     return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing)
 
 
 def finish(axes: Axes, sheet: Sheet, y_label: str, *, is_last: bool = True) -> None:
-    """Set labels and limits of axes with curves over the sheet's motion; the last of a column names the axis."""
+    """Set labels and limits of axes with curves over the sheet's motion.
+
+    ``y_label`` has the quantity and its unit; only the last of a column, ``is_last``, names the axis of the motion.
+    """
     name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
     draw.finish(axes, f"{name}, {sheet.axis_unit.on_page}" if is_last else "", y_label, turn=sheet.is_turn)
 
@@ -140,7 +143,7 @@ def _inertia(sheet: Sheet) -> tuple[PageFigure, ...]:
 
 
 def _share(name: str, values: Array, whole: float) -> str:
-    """A part's name with its share of the ``whole`` mean, in per cent."""
+    """A part's name with its share of the ``whole`` mean, in per cent, as text: "needle bar, 12.3 %"."""
     return f"{plain(name)}, {100.0 * float(np.mean(values)) / whole:.1f} %"
 
 
@@ -166,7 +169,10 @@ def _dots_in_words(sheet: Sheet) -> str:
 
 
 def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
-    """The figure of the hodographs of the joints' forces, twelve at most, and of that on the frame."""
+    """The figure of the hodographs of the joints' forces, twelve at most, and of that on the frame.
+
+    ``joints`` are names, those with the largest forces first.
+    """
     vectors = [f"{JOINT}{name}" for name in joints[:MOST_HODOGRAPHS]]
     vectors += ["shaking_force"] if "shaking_force:x" in sheet.values else []
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
@@ -235,7 +241,10 @@ def _scheme(sheet: Sheet) -> tuple[Card, ...]:
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
-    """The cells of a link: name, mass, inertia and mass centre, in file units whose ``sizes`` are given."""
+    """The cells of a link as texts: name, mass, inertia and mass centre.
+
+    ``sizes`` are the file's units of mass, inertia and length, SI.
+    """
     mass, inertia, length = sizes
     least = ROUNDING * max(map(abs, link.centre))
     places = (0.0 if abs(value) <= least else value / length for value in link.centre)

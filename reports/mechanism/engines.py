@@ -69,7 +69,10 @@ def errors_chart(view: View) -> Widget:
 
 
 def errors_section(view: View, regime: Regime) -> Fold:
-    """The fold with every error of a regime in figures, the reason for each missing one, and remedies."""
+    """The fold with every error of a regime in figures, the reason for each missing one, and remedies.
+
+    Its title names the regime if there are several.
+    """
     runs = view.runs(regime)
     shown = [run for run in runs if any(record.error_max is not None for record in run)]
     lost = {run[0].run for run in runs if run not in shown}
@@ -81,7 +84,10 @@ def errors_section(view: View, regime: Regime) -> Fold:
 
 
 def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -> Table:
-    """The table of a regime's errors: quantities, then invariants, down; engines and settings across."""
+    """The table of a regime's errors: quantities, then invariants, down; engines and settings across.
+
+    ``runs`` are the runs with an error, a list of records each.
+    """
     groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
     rows: list[Sequence[TableCell | str]] = []
     for name, records in error_rows(runs, str).items():
@@ -97,7 +103,7 @@ def _errors_table(view: View, regime: Regime, runs: Sequence[Sequence[Error]]) -
 def error_rows(runs: Iterable[Iterable[Error]], named: Callable[[str], str]) -> dict[str, list[Error | None]]:
     """The worst error of every run by quantity, or by what ``named`` makes of its name; None where a run has none.
 
-    The rows are in the order in which names occur.
+    The rows are in the order in which names occur, a row in the order of ``runs``.
     """
     results = [grouped((named(record.quantity), record) for record in run) for run in runs]
     names = dict.fromkeys(name for result in results for name in result)
@@ -111,7 +117,10 @@ def limit_words(records: Iterable[Error | None]) -> str:
 
 
 def error_cell(record: Error | None) -> TableCell | str:
-    """The cell of an error with the sign of its verdict, and the reason as a tooltip; a dash for None."""
+    """The cell of an error, or of its verdict's word without one, with the verdict's sign, and the reason as a tooltip.
+
+    For None it is a dash.
+    """
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
@@ -120,7 +129,7 @@ def error_cell(record: Error | None) -> TableCell | str:
 
 
 def reasons(records: Iterable[Error], place: Callable[[Error], str]) -> list[str]:
-    """Details of records, each once per engine, as sentences with its settings and places.
+    """Details of records as sentences, "drake tuned, phi: it diverged.", each once per engine with settings, places.
 
     ``place`` names a record's place, "" for none. Records without a detail are left out.
     """
@@ -134,9 +143,9 @@ def reasons(records: Iterable[Error], place: Callable[[Error], str]) -> list[str
 
 
 def remedies(runs: Iterable[Sequence[Error]], place: Callable[[Error], str] = lambda _: "") -> list[str]:
-    """Advice on runs over their limits, each sentence once per engine, with its settings and places.
+    """Advice on runs over their limits as sentences, each once per engine, with its settings and places.
 
-    ``place`` names a record's place, by default none.
+    A run is its records; ``place`` names the place of its first, by default "", none.
     """
     return reasons([run[0]._replace(detail=remedy(run)) for run in runs if run], place)
 
@@ -163,7 +172,7 @@ def _runs_table(view: View, regime: Regime) -> Table:
 
 
 def settings_words(details: Mapping[str, Any]) -> str:
-    """The settings of an engine as its adapter states them, in words: "step 1e-4, scheme …"."""
+    """The settings of an engine as its adapter states them, by name, in words: "step 1e-4, scheme …"."""
     table = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
     return ", ".join(f"{plain(name)} {value}" for name, value in table.items())
 
@@ -181,7 +190,7 @@ LEAST_ERROR: Final = 1e-16
 def errors_figure(view: View, regime: Regime) -> Figure:
     """The errors under a regime over their limits on a log axis: a row per family, in it a lane per engine.
 
-    A mark is an error of a run: naive is open, best outlined.
+    A mark is an error of a run that has a limit: naive is open, best outlined. A line is at 1.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 
@@ -223,7 +232,7 @@ GREATEST_ERROR: Final = 1e8
 def chart_data(view: View) -> dict[str, Any]:
     """Data of the chart when the page opens: every regime's quantities and errors, and the engines, JSON-ready.
 
-    Of each error there are the numbers of its quantity, engine and setting, its size and its limit.
+    Of each error there are the indices of its quantity, engine and setting, its size over the peak and its limit.
     """
     engines = list(all_engines(view.results))  # an engine has its colour by its place among all
     settings = sorted({record.setting for record in view.records}, key=setting_rank)
@@ -235,7 +244,7 @@ def chart_data(view: View) -> dict[str, Any]:
 
 
 def curves(view: View) -> dict[str, dict[str, Any]]:
-    """The curves that any run gave, JSON-ready, by the numbers of regime and quantity: "0-2"."""
+    """The curves that any run gave, JSON-ready, by the indices of regime and quantity: "0-2"."""
     return {
         f"{number}-{place}": _curves(traces)
         for number, regime in enumerate(view.regimes)
@@ -245,7 +254,10 @@ def curves(view: View) -> dict[str, dict[str, Any]]:
 
 
 def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequence[str]) -> dict[str, Any]:
-    """The data of a regime for the chart: quantities, errors, limits and jumps, JSON-ready."""
+    """The data of a regime for the chart: conditions, jumps (s), quantities, errors with limits; JSON-ready.
+
+    ``engines`` and ``settings`` are the names to whose indices errors refer.
+    """
     records = view.of(regime)
     names = view.quantities(regime)
     first = {record.quantity: record for record in reversed(records)}
@@ -274,14 +286,15 @@ def _regime(view: View, regime: Regime, engines: Sequence[str], settings: Sequen
 
 
 def digits(value: float) -> float:
-    """An error rounded to two digits, as it is printed, and at least that of round-off."""
+    """An error over the peak rounded to two digits, as it is printed, and at least that of round-off, 1e-16."""
     return float(f"{max(value, LEAST_ERROR):.1e}")
 
 
 def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
-    """The data of one quantity's curves for the chart, JSON-ready: closed form and runs.
+    """The data of one quantity's curves for the chart, JSON-ready: closed form, "truth", and "runs".
 
-    The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error.
+    The closed form has time (s), crank angle (rad) and value, a run its time, value and decade of the error; both
+    packed.
     """
     every = np.concatenate([[trace.time, trace.angle, trace.reference] for trace in traces], axis=1)
     every = every[:, np.argsort(every[0], kind="stable")]
@@ -290,7 +303,10 @@ def _curves(traces: Sequence[Trace]) -> dict[str, Any]:
 
 
 def _run(trace: Trace) -> dict[str, Any]:
-    """The data of one run's curve for the chart, packed."""
+    """The data of one run's curve for the chart: engine, setting, limit, largest error, and "samples", packed.
+
+    These are time, s, value, SI, and log10 of the error over the peak, where it was compared.
+    """
     compared = ~np.isnan(trace.error)
     decades = np.log10(np.clip(trace.error[compared], LEAST_ERROR, GREATEST_ERROR))
     return {

@@ -1,4 +1,7 @@
-"""The facts on a linkage in words, a pair of a name and its sentence each; what needs no word here is left out."""
+"""The facts on a linkage in words, a pair of a name and its sentence each; what needs no word here is left out.
+
+Facts are those of ``comparisons.designer.linkage_check``, SI and rad, or a part of them.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ SLIDING: Final = (
 
 
 def review_words(facts: Facts, written: Callable[[float], str]) -> Pairs:
-    """Yield all facts of a review, as far as it came; ``written`` writes a length, m, in the file's unit."""
+    """Yield all facts of a review as pairs, as far as it came; ``written`` writes a length, m, in the file's unit."""
     if facts["source"]:
         yield "source", facts["source"]
     if len(facts["variants"]) > 1:
@@ -54,7 +57,7 @@ def review_words(facts: Facts, written: Callable[[float], str]) -> Pairs:
 
 
 def mechanism_words(facts: Facts) -> Pairs:
-    """Yield the facts on the motion: the range, and what a full turn shows."""
+    """Yield the facts on the motion as pairs: the range, and what a full turn shows."""
     if "range" in facts:
         yield from _range_words(facts["range"])
     yield from _turn_words(facts)
@@ -79,7 +82,7 @@ def warning_words(facts: Facts, written: Callable[[float], str]) -> Iterator[str
 
 
 def _structure_words(structure: str) -> str:
-    """The groups in their order as text, the middle of a long one left out."""
+    """The groups in their order as text, the middle left out of more than seven; ``structure`` joins them by " -> "."""
     groups = structure.split(" -> ")
     if len(groups) <= MOST_GROUPS:
         return structure
@@ -87,7 +90,7 @@ def _structure_words(structure: str) -> str:
 
 
 def _range_words(found: Facts) -> Pairs:
-    """Yield where the driver can go, and the change points that it passes."""
+    """Yield pairs on where the driver can go, and on the change points that it passes, from the facts on its range."""
     if found["is_full_turn"]:
         yield "crank", "turns fully"
     else:
@@ -99,7 +102,10 @@ def _range_words(found: Facts) -> Pairs:
 
 
 def _transmission_words(dyads: Mapping[str, Facts]) -> Pairs:
-    """Yield the least transmission angles of the five worst dyads, the least first, and how many more there are."""
+    """Yield pairs on the least transmission angles of the five worst dyads, the least first, and on the others' number.
+
+    ``dyads`` has the facts on each by its name.
+    """
     for name, one in sorted(dyads.items(), key=lambda dyad: dyad[1]["least"])[:MOST_DYADS]:
         good = f"; {math.degrees(BINDS):g}° or more from {' to '.join(one['good_from_to'])}" if one["good"] else ""
         yield "transmission", f"{math.degrees(one['least']):.1f}° at least in {name}, at {one['where']}{good}"
@@ -108,7 +114,7 @@ def _transmission_words(dyads: Mapping[str, Facts]) -> Pairs:
 
 
 def _mass_words(loads: Facts) -> str:
-    """Which links have mass and inertia, and what can be computed for that, in words."""
+    """Which links have mass and inertia, and what can be computed for that, in words, from the facts on loads."""
     if len(loads["without_mass"]) == loads["links"]:
         return f"none: kinematics alone{'' if loads['is_idle'] else ', and the torques and forces of the loads'}"
     heavy = f"all but {listed(loads['without_mass'])}" if loads["without_mass"] else "of all links"
@@ -117,7 +123,7 @@ def _mass_words(loads: Facts) -> str:
 
 
 def _load_words(loads: Facts) -> str:
-    """The loads by their kinds, and the output, in words."""
+    """The loads by their kinds, and the output, in words, from the facts on loads."""
     counts = [(loads[kind], kind.replace("_", " ")) for kind in LOADS if loads[kind]]
     kinds = [f"{count} {name[:-1] if count == 1 else name}" for count, name in counts]
     output = f"output {loads['output']}: S, v, a" if loads["output"] else "no output: without S, v and a"
@@ -125,7 +131,7 @@ def _load_words(loads: Facts) -> str:
 
 
 def _accuracy_words(facts: Facts) -> Pairs:
-    """Yield how well the joints close, and the bounds of the closed form's error."""
+    """Yield pairs on how well the joints close, and on the bounds of the closed form's error."""
     turns, bound = "range" not in facts or facts["range"]["is_full_turn"], facts["error_bound"]
     where = "whole turn" if turns else "range, up to 2 % from its ends"
     yield "closure", f"joints closed to {facts['closure_error']:.1e} m over the {where}"
@@ -137,7 +143,7 @@ def _accuracy_words(facts: Facts) -> Pairs:
 
 
 def _turn_words(facts: Facts) -> Pairs:
-    """Yield the reduced inertia of a full turn, the output's travel, and the angles of rest, as far as there are."""
+    """Yield pairs on the reduced inertia of a full turn, the output's travel, and the angles of rest, where known."""
 
     def angle(value: float, digits: int = 1) -> str:
         """An angle, rad, in degrees within a turn, as text."""
@@ -157,7 +163,10 @@ def _turn_words(facts: Facts) -> Pairs:
 
 
 def _printed_words(printed: Facts) -> str:
-    """How many of the sources' figures are reproduced, or why none can be computed, in words."""
+    """How many of the sources' figures are reproduced, or why none can be computed, in words.
+
+    ``printed`` has the facts on them.
+    """
     if "fault" in printed:
         return f"the figures of the sources cannot be computed: {printed['fault']}"
     near = f", {printed['near']} within 6 %" if printed["near"] else ""

@@ -93,7 +93,7 @@ def _released_figures(sheet: Sheet, regime: str, motion: Released) -> Iterator[P
 def _plot_panels(x: Array, label: str, panels: Mapping[str, Array], figure: Figure, *, turn: bool = False) -> None:
     """Draw values by their labels over the same ``x``, one below the other, into a figure; ``label`` is that of ``x``.
 
-    ``turn`` is an axis of a turn in degrees.
+    All values are as shown. ``turn`` is an axis of a turn in degrees.
     """
     column = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
     for axes, (y_label, values), colour in zip(column, panels.items(), PALETTE, strict=False):
@@ -115,7 +115,8 @@ def file_of(linkage: Sheet | Linkage) -> str:
 def page(sheet: Sheet, results: CampaignResults | None = None) -> Page:
     """The page of a mechanism.
 
-    ``results`` are those of the campaign that its engines ran in, or of a file that was judged.
+    ``results`` are those of the campaign that its engines ran in, or of a file that was judged; None for neither, or if
+    they lack this mechanism, leaves the engines out.
     """
     linkage, view = sheet.linkage, _view(sheet, results)
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""

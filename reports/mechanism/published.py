@@ -29,7 +29,7 @@ def published_section(rows: Sequence[Row]) -> Section:
 
 
 def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> Table:
-    """The table of printed figures beside ours, a column for each variant.
+    """The table of printed figures beside ours, a column for each variant, "" where one has none.
 
     ``named`` makes a quantity's name a reader's.
     """
@@ -74,7 +74,7 @@ def _met_words(rows: Sequence[Row], variant: str) -> str:
 
 
 def _printed(row: Row) -> str:
-    """The printed value with its unit."""
+    """The printed value as text, with its unit."""
     return f"{_as_printed(row)} {row['unit']}".strip()
 
 
@@ -90,7 +90,7 @@ def _as_printed(row: Row) -> str:
 
 
 def _variant_cell(row: Row) -> TableCell:
-    """Our value in the printed unit: with the sign of the verdict and the deviation in per cent, if it has one."""
+    """Our value in the printed unit, a dash for none, with the sign of the verdict and any deviation in per cent."""
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:

@@ -33,23 +33,26 @@ AT_OPEN_END: Final = "*"  # behind an extreme at an end of the motion beside a d
 
 
 def _angle(value: float, unit: FileUnit) -> str:
-    """A value in a unit as text: degrees with two decimals, anything else with five digits."""
+    """A value, given in a unit, as text without it: degrees with two decimals, anything else with five digits."""
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
 def number(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure as text in its unit, marked if it is an extreme at an open end."""
+    """A key figure as text in its unit, without the unit's name, marked with * if it is an extreme at an open end."""
     return _unmarked(sheet, signal_figure) + AT_OPEN_END * signal_figure.at_open_end
 
 
 def _unmarked(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure's number in its unit, without the mark of an open end."""
+    """A key figure's number in its unit as text, without the mark of an open end."""
     value = sheet.shown_value(signal_figure)
     return _angle(value, sheet.unit_of(signal_figure)) if signal_figure.unit == "rad" else figure(value)
 
 
 def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """A key figure with its unit, as a page prints it, marked if it is an extreme at an open end; a dash for none."""
+    """A key figure with its unit, as a page prints it, marked with * if it is an extreme at an open end.
+
+    A dash for none.
+    """
     text, unit = _unmarked(sheet, signal_figure), sheet.unit_of(signal_figure).on_page
     if text == ABSENT:
         return text
@@ -62,7 +65,10 @@ def _with_minus_sign(text: str) -> str:
 
 
 def jeq(sheet: Sheet, end: str) -> str:
-    """The "mean", least ("min") or largest ("max") Jeq of a whole turn as text with its unit."""
+    """The "mean", least ("min") or largest ("max") Jeq of a whole turn as text with its unit.
+
+    The sheet must have it: raises KeyError.
+    """
     return words(sheet, SignalFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
 
@@ -77,9 +83,9 @@ def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) -> Table:
-    """The table of key figures called ``name``, the numbers of one place side by side; it must have some.
+    """The table of key figures called ``name``, a key of ``HEADS``, the numbers of one place side by side.
 
-    ``named`` makes names those for a reader.
+    ``named`` makes names those for a reader. The sheet must have such figures: raises IndexError.
     """
     whats, labels = HEADS[name]
     if sheet.is_linear:
@@ -105,7 +111,7 @@ def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
 
 
 def place_cells(sheet: Sheet, signal_figure: SignalFigure) -> tuple[str, ...]:
-    """The cells of a key figure's place: the time, s, unless φ is the axis, then φ in the file's unit.
+    """The cells of a key figure's place, without units: the time, s, unless φ is the axis, then φ in the file's unit.
 
     Dashes without one.
     """
