@@ -33,7 +33,10 @@ SPEED: Final = "speed"  # of the driver, in which designs may differ besides; no
 
 
 def changed(linkage: Linkage, change: Change) -> Linkage:
-    """The linkage with every number that has a name replaced by ``change(name, kind, number)``."""
+    """The linkage with every number that has a name replaced by ``change(name, kind, number)``, SI.
+
+    A direction that is changed becomes a unit vector.
+    """
     new = {
         number.path: value
         for name, number in linkage.named_numbers.items()
@@ -46,8 +49,8 @@ def changed(linkage: Linkage, change: Change) -> Linkage:
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
     """The linkage with numbers, SI, by name in place of its own; they may be arrays.
 
-    If the linkage's ``scales_mass`` is set, mass, centre and inertia of a link follow its lengths unless they are
-    named.
+    Names that the linkage does not have are ignored, and a direction that is changed becomes a unit vector. If the
+    linkage's ``scales_mass`` is set, mass, centre and inertia of a link follow its lengths unless they are named.
     """
     result = changed(linkage, lambda name, _, value: numbers.get(name, value))
     if not linkage.scales_mass:
@@ -59,7 +62,8 @@ def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
 def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
     """A link that keeps its cross-section where its points move: the mass goes as its length, the inertia as the cube.
 
-    The length is the sum of the points' distances from the frame's origin; a link without one stays as it is.
+    Its mass centre goes as the length. ``old`` is the link before, ``numbers`` are those given by name, which stay. The
+    length is the sum of the points' distances from the frame's origin; a link without one stays as it is.
     """
     was, now = (sum(np.hypot(x, y) for x, y in body.points.values()) for body in (old, link))
     if not was:
@@ -67,7 +71,10 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
     scale = now / was
 
     def scaled(name: str, value: Any, factor: Any) -> Any:  # noqa: ANN401 - plain or traced
-        """A value of the link times a factor; unchanged if it is zero or ``numbers`` give it themselves."""
+        """A value of the link times a factor; unchanged if it is zero or ``numbers`` give it themselves.
+
+        ``name`` is the value's within the link, as "centre.x".
+        """
         return value if f"{link.name}.{name}" in numbers or not value else value * factor
 
     return replace(
@@ -79,7 +86,7 @@ def _scaled_as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
 
 
 def named_numbers(linkage: Linkage) -> dict[str, Number]:
-    """Every number of a linkage by its name, with its kind, its path and its value, SI."""
+    """Every number of a linkage by its name, with its kind, its path and its value, SI; a new dictionary."""
     return dict(linkage.named_numbers)
 
 
@@ -98,7 +105,10 @@ def design_numbers(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
 
 
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:
-    """A copy of the linkage with a named point of a link, or of the ground, at another place in the body's frame, m."""
+    """A copy of the linkage with a named point of a link, or of the ground, at another place in the body's frame, m.
+
+    A new name adds a point. Raises KeyError for an unknown link.
+    """
     if body == GROUND:
         return replace(linkage, ground={**linkage.ground, point: place})
     link = linkage.links[body]
@@ -106,7 +116,10 @@ def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkag
 
 
 def multiplied(linkage: Linkage, factor: float, *kinds: str, under: str = "") -> Linkage:
-    """The linkage with its numbers of these kinds times a factor, all or those whose name begins with ``under``."""
+    """The linkage with its numbers of these kinds times a factor, all or those whose name begins with ``under``.
+
+    ``kinds`` are values of ``Kind``, as "length"; a direction stays a unit vector.
+    """
 
     def times(name: str, kind: Kind, value: float) -> float:
         """A number times the ``factor``, if it is of the ``kinds`` and its name begins with ``under``."""
@@ -118,7 +131,7 @@ def multiplied(linkage: Linkage, factor: float, *kinds: str, under: str = "") ->
 def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
     """A similar linkage: every length, mass and time times a factor; without its thread.
 
-    What is given in several of these, as an inertia, is scaled to match.
+    What is given in several of these, as an inertia, is scaled to match. Regimes stay as they are.
     """
     similar = without(linkage, "thread")
 
@@ -132,7 +145,10 @@ def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: fl
 
 
 def without(linkage: Linkage, *parts: str) -> Linkage:
-    """The linkage without these parts, names of ``EMPTY_PARTS``; raises UnknownNameError."""
+    """The linkage without these parts, names of ``EMPTY_PARTS`` such as "gravity".
+
+    Raises UnknownNameError for others.
+    """
     for part in parts:
         if part not in EMPTY_PARTS:
             raise UnknownNameError("part", part, EMPTY_PARTS)

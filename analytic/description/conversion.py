@@ -51,9 +51,10 @@ PAIR = "links = [...]"  # names the bodies of two points
 
 
 def loads(reader: Reader) -> dict[str, Any]:
-    """All loads of the file by kind, SI; a force or torque on the ground has no effect and is left out.
+    """All loads of the file, SI: by kind, one of ``LOADS``, those of this kind as a tuple in the file's order.
 
-    Raises DescriptionError for wrong bodies, points or tables.
+    A force or torque on the ground has no effect and is left out. Raises DescriptionError for wrong bodies, points or
+    tables.
     """
     makers: dict[str, Callable[..., Any]] = {"forces": _force, "torques": _torque, "springs": _spring}
     result = {}
@@ -66,7 +67,11 @@ def loads(reader: Reader) -> dict[str, Any]:
 
 
 def _force(reader: Reader, table: doc.ForceTable, where: str, number: int) -> PointForce:
-    """A force at a point, SI, from its table; raises DescriptionError."""
+    """A force at a point, SI, from its table, the file's ``number``, from 0.
+
+    ``where`` is its key, "forces.0", for messages. Raises DescriptionError for wrong bodies, an unknown point, and keys
+    that do not go together.
+    """
     rows = table.force if isinstance(table.force, list) else [table.force]
     link, reaction = _bodies_of_load(reader, table, table.link, where)
     link = reader.owner(table.point, link, where)
@@ -75,7 +80,11 @@ def _force(reader: Reader, table: doc.ForceTable, where: str, number: int) -> Po
 
 
 def _torque(reader: Reader, table: doc.TorqueTable, where: str, number: int) -> LinkTorque:
-    """A torque on a link, SI, from its table; raises DescriptionError."""
+    """A torque on a link, SI, from its table, the file's ``number``, from 0.
+
+    ``where`` is its key, "torques.0", for messages. Raises DescriptionError for wrong bodies or none, and for keys that
+    do not go together.
+    """
     values = table.torque if isinstance(table.torque, list) else [table.torque]
     law = interpolated_law(reader, table, [(value,) for value in values], where)
     link, reaction = _bodies_of_load(reader, table, table.link, where)
@@ -89,7 +98,8 @@ def _bodies_of_load(
 ) -> tuple[str | None, str | None]:
     """The body on which a load acts and the one on which its reverse acts, each None if the file names none.
 
-    Raises DescriptionError for a wrong ``between``.
+    ``link`` is what the table names as such, ``where`` the load's key, for messages; without ``between`` the link is
+    returned as it is. Raises DescriptionError for a wrong ``between``.
     """
     if table.between is None:
         return link, None
@@ -105,7 +115,10 @@ def _bodies_of_load(
 
 
 def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Spring:
-    """A spring with its dashpot, SI, from its table; raises DescriptionError for both ends on one body."""
+    """A spring with its dashpot, SI, from its table; ``where`` is its key, "springs.0", for messages.
+
+    Raises DescriptionError for an unknown point, a body that does not carry it, or both ends on one body.
+    """
     ends = zip(table.between, table.links or (None, None), strict=True)
     first, second = (reader.owner(point, link, where, PAIR) for point, link in ends)
     if first == second:
@@ -118,9 +131,9 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str, _: int) -> Sprin
 
 
 def _between_links(reader: Reader, table: Any, where: str, _: int) -> Any:  # noqa: ANN401 - as the kind has it
-    """A torsion spring or damper, SI, as the kind in ``where`` has it, from its table.
+    """A torsion spring or damper, SI, from its table; ``where`` is its key, "dampers.0", which also says the kind.
 
-    Raises DescriptionError for one body.
+    Raises DescriptionError for an unknown body, or one named twice.
     """
     first, second = (reader.body(name, where) for name in table.between)
     if first == second:
@@ -143,7 +156,11 @@ KINDS: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def regime_of(reader: Reader, name: str) -> FileRegime:
-    """The regime of this name in a linkage file; raises DescriptionError for the name of a prescribed motion."""
+    """The regime of this name in a linkage file, SI.
+
+    Raises DescriptionError for the name of a prescribed motion, for keys that do not belong together or are missing,
+    and for numbers that make no motion.
+    """
     table, where = reader.document.regimes[name], f"regimes.{name}"
     if name in (*REGIMES, *LAWS):
         raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
@@ -164,7 +181,7 @@ def regime_of(reader: Reader, name: str) -> FileRegime:
 
 
 def _written_keys(table: doc.RegimeTable) -> list[str]:
-    """The keys that the regime's table has in the file, spelt as there."""
+    """The keys that the regime's table has in the file, spelt as there, in the order of ``RegimeTable``."""
     return [field.alias or name for name, field in type(table).model_fields.items() if name in table.model_fields_set]
 
 
@@ -181,7 +198,8 @@ def _kind_of_regime(keys: Sequence[str]) -> str:
 def _errors_at(reader: Reader, where: str) -> Iterator[None]:
     """In the block, turn an error of a motion into a DescriptionError.
 
-    Its message begins with ``where``, the motion's place in the file.
+    Its message begins with ``where``, the motion's place in the file. Only a plain LinkproofError and an
+    UnknownNameError are turned; all else passes.
     """
     try:
         yield
@@ -192,25 +210,32 @@ def _errors_at(reader: Reader, where: str) -> Iterator[None]:
 
 
 def _required(reader: Reader, value: float | None, where: str, meaning: str) -> float:
-    """The ``value`` that a regime needs; raises DescriptionError, with its ``meaning``, where it is None."""
+    """The ``value`` that a regime needs; raises DescriptionError where it is None.
+
+    The message begins with ``where``, the value's key, and says its ``meaning``.
+    """
     if value is None:
         raise reader.fail(f"{where} is missing: expected {meaning}; add it")
     return value
 
 
 def _phi_text(reader: Reader, place: float) -> str:
-    """A value of φ, given in rad or m, as text in the file's unit."""
+    """A value of φ, given in rad or m, as text in the file's unit: "30°", "120 mm"."""
     return f"{place / reader.phi.unit.size:.10g}{reader.phi.mark}"
 
 
 def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
-    """The motion's largest speed as text, with its unit."""
+    """The motion's largest speed as text, with its unit: "at most 1000 rpm"."""
     unit = reader.phi.speed_unit
     return f"at most {motion.peak_speed / unit.size:.6g} {unit.name}"
 
 
 def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``from`` and ``to`` and its conditions in words; raises an error without both."""
+    """The motion of a regime with ``from`` and ``to`` and its conditions in words; ``where`` is the regime's key.
+
+    Raises DescriptionError without both or for a list of times, LinkproofError or UnknownNameError for values that make
+    no motion.
+    """
     start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins")
     end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends")
     law, dwell, back = table.law or USUAL_LAW, table.dwell or 0.0, bool(table.back)
@@ -223,7 +248,10 @@ def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
 
 
 def _segments_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``segments``, and its conditions in words."""
+    """The motion of a regime with ``segments``, and its conditions in words; ``where`` is the regime's key.
+
+    Raises DescriptionError for a wrong segment, LinkproofError for none, or for a speed that jumps between two.
+    """
     begin = table.start_angle or 0.0
     moves: list[Move] = []
     angle = begin
@@ -241,7 +269,8 @@ def _segments_motion(reader: Reader, name: str, table: doc.RegimeTable, where: s
 def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -> Move:
     """A segment of a motion that is at ``angle``, rad or m: a move by a law, or a dwell.
 
-    Raises DescriptionError for neither.
+    ``place`` is the segment's key, for messages. Raises DescriptionError for neither or both, or keys beside a dwell;
+    LinkproofError or UnknownNameError as ``swing`` does for a move that cannot be.
     """
     if (segment.to is None) == (segment.dwell is None):
         raise reader.fail(f"{place}: expected either an angle to go to or a dwell, got both or none; give one of them")
@@ -256,7 +285,7 @@ def _move(reader: Reader, segment: doc.SegmentTable, angle: float, place: str) -
 
 
 def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
-    """The motion of a regime with ``angle`` over ``time``, and its conditions in words.
+    """The motion of a regime with ``angle`` over ``time``, and its conditions in words; ``where`` is the regime's key.
 
     Raises DescriptionError for wrong lists.
     """
@@ -274,7 +303,10 @@ def _table_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str)
 
 
 def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> ReleasedRegime:
-    """The regime of a released crank, SI, from its table; raises DescriptionError."""
+    """The regime of a released crank, SI, from its table; ``where`` is the regime's key.
+
+    Raises DescriptionError without ``start_angle`` or ``duration``, or for a wrong torque.
+    """
     start = _required(reader, table.start_angle, f"{where}.start_angle", "a finite angle in the file's angle unit")
     duration = _required(reader, table.duration, f"{where}.duration", "a positive finite time in s")
     torque, over_angle, over_time = _regime_torque(reader, table, where)
@@ -284,7 +316,8 @@ def _released_regime(reader: Reader, name: str, table: doc.RegimeTable, where: s
 def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[float, Law | None, TimeLaw | None]:
     """The crank's torque, N m: its constant part, its law over the angle or None, its law over time or None.
 
-    Raises DescriptionError for keys that do not go together.
+    Of a driver that is pushed it is a force, N, and over time or constant. ``where`` is the regime's key. Raises
+    DescriptionError for keys that do not go together, and for wrong lists.
     """
     if not isinstance(table.torque, list):
         if table.angle is not None or table.time is not None:
@@ -307,7 +340,10 @@ def _regime_torque(reader: Reader, table: doc.RegimeTable, where: str) -> tuple[
 
 
 def _time_law(reader: Reader, values: list[float], times: float | list[float] | None, where: str) -> TimeLaw:
-    """The torque over time, N m and s, from values joined by straight lines; raises DescriptionError."""
+    """The torque over time, N m and s, from values joined by straight lines; ``where`` is the regime's key.
+
+    Raises DescriptionError for lists of other lengths, fewer than 2 values, or times that do not increase.
+    """
     if not isinstance(times, list) or len(times) != len(values) or len(times) < 2:
         count = len(times) if isinstance(times, list) else 1
         raise reader.fail(
@@ -331,7 +367,11 @@ COINCIDENT = 1e-12
 
 
 def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
-    """Build the Linkage of a document; raises DescriptionError for an impossible or contradictory description."""
+    """Build the Linkage of a document; raises DescriptionError for an impossible or contradictory description.
+
+    ``name`` is the mechanism's, ``variants`` are the names of all its variants, ``source`` is the file, for messages
+    and for its text.
+    """
     reader = reader_of(document, source)
     document = reader.document
     _check_driver(reader)
@@ -372,7 +412,10 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
 
 
 def _thread(reader: Reader) -> ThreadPath | None:
-    """The thread's path in m and rad; None without a thread. Raises DescriptionError for an unknown eye."""
+    """The thread's path in m and rad; None without a thread.
+
+    Raises DescriptionError for a wrong stop, or an unknown eye.
+    """
     table = reader.document.thread
     if table is None:
         return None
@@ -388,7 +431,7 @@ def _thread(reader: Reader) -> ThreadPath | None:
 def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
     """A stop of the thread from its table, m: a guide in space, or an eye on a link.
 
-    Raises DescriptionError for a wrong one.
+    ``where`` is its key, for messages. Raises DescriptionError for both or none, or an unknown eye.
     """
     if (stop.guide is None) == (stop.eye is None):
         raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
@@ -400,7 +443,7 @@ def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | Thre
 
 
 def _check_eye(reader: Reader, eye: str, where: str) -> None:
-    """Raise DescriptionError for an eye that is no point of the linkage."""
+    """Raise DescriptionError, which begins with the key ``where``, for an eye that is no point of the linkage."""
     if eye not in reader.carriers:
         raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
 
@@ -408,7 +451,7 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
 def _link(reader: Reader, name: str) -> lk.Link:
     """A moving link, SI, from its table; one that turns without mass has the inertia 0.
 
-    Raises DescriptionError for a mass that turns without inertia.
+    One that cannot turn has None if the file gives none. Raises DescriptionError for a mass that turns without inertia.
     """
     where = f"links.{name}"
     table = reader.document.links[name]
@@ -480,7 +523,7 @@ def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:
-    """Raise DescriptionError for two points of one link in one place."""
+    """Raise DescriptionError for two points of one link in one place: nearer than COINCIDENT of the drawing's size."""
     least = COINCIDENT * linkage.extent()
     for name, link in linkage.links.items():
         for (first, a), (second, b) in itertools.combinations(link.points.items(), 2):
@@ -492,7 +535,10 @@ def _check_lengths(reader: Reader, linkage: Linkage) -> None:
 
 
 def _turns(reader: Reader, name: str) -> bool:
-    """Whether a link can turn: a slider as its host does. Raises DescriptionError for sliders in a circle."""
+    """Whether a link can turn: a slider as its host does, the ground not.
+
+    Raises DescriptionError for sliders in a circle, or an unknown host.
+    """
     seen: list[str] = []
     while name != GROUND:
         if name in seen:
@@ -509,7 +555,7 @@ def _turns(reader: Reader, name: str) -> bool:
 
 
 def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
-    """All revolute joints, sorted by the name of their point."""
+    """All revolute joints, sorted by the name of their point: the names that points of two bodies or more share."""
     return tuple(lk.Pin(point, tuple(names)) for point, names in reader.carriers.items() if len(names) > 1)
 
 
@@ -522,13 +568,20 @@ def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
 
 
 def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
-    """The line of a slider or a slot in its host: a point, m, and a unit vector."""
+    """The line of a slider or a slot in its host: a point, m, and a unit vector.
+
+    ``where`` is the table's key, for messages. Raises DescriptionError for an unknown host, or a direction without
+    length.
+    """
     host = reader.body(table.on, f"{where}.on")
     return lk.Guide(host, position(table.through), reader.direction(table.along, where))
 
 
 def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
-    """The pins in slots, sorted by name, SI; raises DescriptionError for a second slot or a pin on its host alone."""
+    """The pins in slots, sorted by name, SI.
+
+    Raises DescriptionError for an unknown point, a pin that the slot's own host carries, or a second slot of one name.
+    """
     slots: dict[str, lk.Slot] = {}
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"

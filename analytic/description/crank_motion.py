@@ -20,7 +20,7 @@ RPM = np.pi / 30.0
 
 
 def degrees(angle: float) -> str:
-    """A crank angle, rad, in words for a message: in degrees, 0° to 360°."""
+    """A crank angle, rad, in words for a message: in degrees, 4 digits, from 0° to less than 360°."""
     return f"{float(f'{math.degrees(angle) % 360.0:.4g}') % 360.0:g}°"
 
 
@@ -39,7 +39,10 @@ class Segment:
     coefficients: Annotated[tuple[float, ...], Kind.COORDINATE]
 
     def value(self, time: ArrayLike, order: int = 0) -> NDArray[np.float64]:
-        """φ or its derivative of the given order at ``time``, s, in rad and s; shape of ``time``."""
+        """φ or its derivative of the given order at ``time``, s, in rad and s; shape of ``time``.
+
+        Times outside the segment continue its polynomial.
+        """
         x = np.asarray(time, dtype=float) - self.start
         highest, *lower = derivative(self.coefficients, order)
         total = x * 0.0 + highest
@@ -72,8 +75,8 @@ class Segment:
 def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
     """Coefficients of a polynomial's derivative of an order, the highest power first.
 
-    Those given have the lowest first. Stepping engines evaluate single instants, for which NumPy's own functions take
-    ten times the time of the arithmetic.
+    Those given have the lowest first. Results are kept. Stepping engines evaluate single instants, for which NumPy's
+    own functions take ten times the time of the arithmetic.
     """
     for _ in range(order):
         coefficients = tuple(power * c for power, c in enumerate(coefficients))[1:] or (0.0,)
@@ -82,7 +85,10 @@ def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]
 
 @dataclass(frozen=True)
 class CrankMotion:
-    """A prescribed crank angle, polynomial piece by piece, with continuous angle and speed."""
+    """A prescribed crank angle, polynomial piece by piece, with continuous angle and speed; ``regime`` is its name.
+
+    Of a driver that is pushed, all is in m in place of rad.
+    """
 
     regime: str
     segments: tuple[Segment, ...]
@@ -116,7 +122,10 @@ class CrankMotion:
         return tuple(s.start for s, left, right in pairs if abs(left - right) > ROUNDING * scale)
 
     def _evaluate(self, time: ArrayLike, order: int) -> NDArray[np.float64]:
-        """φ or its derivative of ``order``, up to 2, at instants, s; shape of ``time``."""
+        """φ or its derivative of ``order``, up to 2, at instants, s; shape of ``time``.
+
+        Before and after the motion the first and the last piece continue.
+        """
         time, starts = np.asarray(time, dtype=float), self._starts
         piece = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(starts) - 1)
         x = time - starts[piece]
@@ -146,7 +155,7 @@ class CrankMotion:
         return self._evaluate(time, 1)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ε(t), rad/s²; at a jump the value just after it."""
+        """ε(t), rad/s², at times, s; shape of ``time``; at a jump the value just after it."""
         return self._evaluate(time, 2)
 
 
@@ -164,18 +173,18 @@ class Standstill(CrankMotion):
         return ()
 
     def speed(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ω(t), which is zero, with the sign of the motion before, against which friction acts."""
+        """ω(t) at times, s, which is zero, with the sign of the motion before, against which friction acts."""
         return 0.0 * super().speed(time)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ε(t), zero."""
+        """ε(t) at times, s, zero; shape of ``time``."""
         return np.zeros(np.shape(time))
 
 
 def check_number(name: str, value: float, unit: str, least: float) -> None:
     """Raise LinkproofError for a number of a motion that is not finite, below ``least`` or beyond LARGEST.
 
-    ``name`` and ``unit`` are for the message.
+    ``name`` of the quantity and ``unit`` are for the message.
     """
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "finite" if least < 0.0 else "positive finite" if least else "finite, not negative"
@@ -208,8 +217,8 @@ def crank_motion(
 
     ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and continues at it for
     ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do so with continuous acceleration; ``constant-speed`` turns
-    at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad. Raises UnknownNameError for another
-    regime, LinkproofError for a wrong number.
+    at ``speed`` for ``ramp_time + hold_time``; φ falls if ``clockwise``. ``start_angle`` is φ at t = 0, rad. Raises
+    UnknownNameError for another regime, LinkproofError for a wrong number.
     """
     if regime not in REGIMES:
         raise UnknownNameError("regime", regime, REGIMES)
@@ -239,8 +248,8 @@ LEAST_POINTS: Final = 4
 def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> CrankMotion:
     """The cubic spline (its end conditions: not a knot) through angles, rad, at times, s, that begin at 0.
 
-    Angle, speed and acceleration are continuous; the pieces meet to rounding. Raises LinkproofError for a table that
-    jumps: times that do not increase, steps faster than JUMP times all others, or times that all but coincide.
+    ``regime`` is its name. Angle, speed and acceleration are continuous; the pieces meet to rounding. Raises
+    LinkproofError for a table that is no motion, as ``check_table`` does, or whose times all but coincide.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a motion without a table does not pay for it
 
@@ -257,7 +266,11 @@ def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> 
 
 
 def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
-    """Raise LinkproofError for a table that is no motion; names the point at fault, counted from 1."""
+    """Raise LinkproofError for a table, times in s and angles in rad, that is no motion; names the point at fault.
+
+    That is one with lists of other lengths, fewer than LEAST_POINTS points, numbers that are not finite, times that do
+    not increase from 0 on, or steps faster than JUMP times all others. Points count from 1.
+    """
     if len(time) != len(angle) or len(time) < LEAST_POINTS:
         raise LinkproofError(
             f"expected as many angles as times and {LEAST_POINTS} or more of each, got {len(angle)} angles and "
@@ -337,7 +350,7 @@ class Wave:
     last: int
 
     def pieces(self) -> Iterator[Segment]:
-        """Yield the wave as polynomials, each over an eighth of its turn."""
+        """Yield the wave as polynomials, each over an eighth of a turn of its sine."""
         count = self.last - self.first
         length = (self.end - self.start) / count
         rate = EIGHTH / length
@@ -404,7 +417,8 @@ class Move:
 def sequence(regime: str, start_angle: float, moves: Sequence[Move]) -> CrankMotion:
     """The motion of this name that makes one move after the other from ``start_angle``, rad.
 
-    Raises LinkproofError where a move cannot be, or where the speed would jump between two of them.
+    Raises LinkproofError without a move, where a move cannot be, or where the speed would jump between two of them;
+    UnknownNameError for an unknown law.
     """
     check_number("start angle", start_angle, "rad", -LARGEST)
     segments: list[Segment] = []
@@ -464,8 +478,9 @@ def swing(
 ) -> CrankMotion:
     """A motion from one crank angle to another, rad, by a law, with a ``dwell``, s, there, and ``back`` if asked for.
 
-    Either the largest |ω| is given, ``speed``, rad/s, or the ``time`` of one way, s. ``regime`` is the law by default.
-    Raises UnknownNameError for an unknown law, LinkproofError for numbers that make no motion.
+    Either the largest |ω| is given, ``speed``, rad/s, or the ``time`` of one way, s. ``regime`` is the motion's name,
+    the law by default. Raises UnknownNameError for an unknown law, LinkproofError for numbers that make no motion:
+    equal ends, both or neither of speed and time, or a number out of range.
     """
     if law not in LAWS:
         raise UnknownNameError("law", law, LAWS)

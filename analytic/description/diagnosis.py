@@ -40,7 +40,8 @@ class Source:
     def line(self, keys: Sequence[str]) -> int:
         """The line, from 1, of a key: the variant's before the file's own.
 
-        Without it of the innermost table that has it. 1 where no such table is in the file.
+        ``keys`` lead to it from the file's root, indices as text from "0". Without it the line is that of the innermost
+        table that has it; 1 where no such table is in the file.
         """
         roots = [*([f"variants.{self.variant}."] if self.variant else []), ""]
         tree = tomllib.loads(self.text)
@@ -52,18 +53,21 @@ class Source:
         return 1
 
     def at(self, keys: Sequence[str]) -> str:
-        """File, line and key as text, with which a message begins."""
+        """File, line and key as text, with which a message begins: "rig.toml:12: links.rod.mass"."""
         return f"{self.name}:{self.line(keys)}: {readable(keys)}"
 
     def place(self, message: str) -> str:
-        """A message that begins with a key (``links.rod.mass: ...``), with file name and line put before it."""
+        """A message that begins with a key (``links.rod.mass: ...``), with file name and line put before it.
+
+        The key may end in " is missing".
+        """
         path, colon, rest = message.partition(": ")
         missing = WITHOUT if path.endswith(WITHOUT) else ""
         return f"{self.at(path.removesuffix(WITHOUT).split('.'))}{missing}{colon}{rest}"
 
 
 def readable(keys: Sequence[str]) -> str:
-    """A path of keys for a reader, who counts from 1: ``forces #2.force``."""
+    """A path of keys for a reader, who counts from 1: ``forces #2.force`` for forces, "1", force. Long keys are cut."""
     return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
@@ -101,7 +105,7 @@ NO_KEYS: Final[Mapping[str, str]] = {
 def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
     """The most telling fault of the first wrong value, as one sentence, which begins with file, line and key.
 
-    ``source`` gives the place, ``model`` what is expected there.
+    ``source`` gives the place, ``model``, the table of the whole file, what is expected there.
     """
     fault = _most_telling_fault(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
@@ -135,7 +139,11 @@ def _keys(fault: ErrorDetails) -> list[str]:
 
 
 def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[BaseModel]) -> str:
-    """What is expected at ``keys``, in words, by model field, innermost key with a phrase, or kind of value."""
+    """What is expected at ``keys``, in words.
+
+    That is the description of the outermost key's field in the ``model``; else the phrase of the innermost key that has
+    one; else the kind of value that the fault asks for.
+    """
     if keys[0] in model.model_fields and (words := model.model_fields[keys[0]].description):
         return words
     names = [key for key in keys if not key.isdigit()]
@@ -148,7 +156,10 @@ def _expected_in_words(fault: ErrorDetails, keys: Sequence[str], model: type[Bas
 
 
 def shown(value: object) -> str:
-    """A value read from a file, cut short, as text for a message: texts in quotes, true and false in small letters."""
+    """A value read from a file, cut short, as text for a message: texts in quotes, true and false in small letters.
+
+    Of an integer too long to be written it says how many bits it has.
+    """
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_NUMBER:
         return f"a number of {value.bit_length()} bits"
     return shortened(
@@ -182,7 +193,8 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
 def line_of(text: str, keys: Sequence[str | int]) -> int:
     """The line, from 1, of a TOML text that has a key, a table's header or an element of a list.
 
-    The line of a table without a header is that of its first key.
+    ``keys`` and indices lead to it from the root. The line of a table without a header is that of its first key. Raises
+    KeyError or IndexError for keys that lead nowhere.
     """
     import tomlkit  # noqa: PLC0415 - only who is shown a fault pays for it
     from tomlkit.items import Table  # noqa: PLC0415

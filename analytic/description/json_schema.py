@@ -76,7 +76,7 @@ def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
 
 
 def _tables_in(part: object) -> list[str]:
-    """Names of the definitions that a part refers to."""
+    """Names of the definitions that a part refers to, in order, with repetitions."""
     if isinstance(part, Mapping):
         direct = [str(part["$ref"]).rpartition("/")[2]] if "$ref" in part else []
         return direct + [name for value in part.values() for name in _tables_in(value)]

@@ -76,7 +76,7 @@ class Law:
     def _curve(self) -> PPoly:
         """The cubic spline, or the straight lines, through the table of the law, repeating if it has a period.
 
-        For a law without a table there is none.
+        Only a law with a table has one; else AssertionError is raised.
         """
         from scipy.interpolate import CubicSpline, PPoly  # noqa: PLC0415 - a linkage without tables does not pay for it
 
@@ -91,9 +91,9 @@ class Law:
         return PPoly(cubics, knots, extrapolate="periodic" if self.period else None)
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
-        """Value, SI, or its derivative of the given order over the coordinate, at each angle or travel.
+        """Value, SI, or its derivative of the given order over the coordinate, at each angle, rad, or travel, m.
 
-        (k, *angle.shape). The restriction ``when`` is not applied here.
+        Shape (k, *angle.shape); a traced ``angle`` gives traced numbers. The restriction ``when`` is not applied here.
         """
         if self.angles is None:
             values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)
@@ -109,13 +109,16 @@ class Law:
         return np.moveaxis(np.asarray(self._curve(within, order)) * inside[..., None], -1, 0)
 
     def formula(self, place: Any) -> list[Any]:  # noqa: ANN401 - a traced number
-        """Components of the load at a traced place within or beyond its table, as formulas without branches."""
+        """Components of the load at a traced place within or beyond its table, as formulas without branches.
+
+        Nothing repeats: beyond the ends it keeps the value there, as a table over a travel does.
+        """
         knots, pieces = self.pieces()
         within = np.minimum(np.maximum(place, knots[0]), knots[-1])
         begun = [within >= knot for knot in knots[1 : len(pieces)]]
 
         def chosen(values: list[float]) -> Any:  # noqa: ANN401
-            """The one of these values, in the order of the table's intervals, that holds at the place."""
+            """The one of these ``values``, one for each interval of the table in order, that holds at the place."""
             result: Any = values[0]
             for has_begun, value in zip(begun, values[1:], strict=True) if any(values) else ():
                 result = np.where(has_begun, value, result)
@@ -129,7 +132,11 @@ class Law:
         return parts
 
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """A table as plain data: knots, rad or m, and by piece and component its coefficients, lowest power first."""
+        """A table as plain data: knots, rad or m, and by piece and component its coefficients, lowest power first.
+
+        Coefficients are of the distance from the piece's first knot. The knots are the table's places alone; with a
+        period there is a last piece behind them.
+        """
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()
 
@@ -147,7 +154,7 @@ class LawOfNumbers(Law):
     def __call__(self, angle: ArrayLike, order: int = 0) -> Any:  # noqa: ANN401 - what the numbers are
         """Components, N or N m, or their derivatives of an order, as a tuple, at ``angle``, rad or m.
 
-        Places and numbers that are arrays are broadcast together.
+        Places and numbers that are arrays are broadcast together. ``when`` is not applied.
         """
         parts = self.values.shape[-1]
         rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]

@@ -84,20 +84,23 @@ class DriverCoordinate:
         return f" {self.unit.name}" if self.is_linear else self.unit.name
 
     def text(self, value: float) -> str:
-        """A value of φ, rad or m, in words: an angle in degrees, within a turn, a length in the file's unit."""
+        """A value of φ, rad or m, in words, of 4 digits: degrees, within a turn, or the file's unit."""
         return f"{value / self.unit.size:z.4g}{self.mark}" if self.is_linear else degrees(value)
 
     def unwrapped(self, value: float) -> str:
-        """A value in words as from ``text``, but an angle keeps its whole turns."""
+        """A value of φ, rad or m, in words as from ``text``, but an angle keeps its whole turns, and has 6 digits."""
         return self.text(value) if self.is_linear else f"{value / self.unit.size:.6g}{self.mark}"
 
     def named(self, value: float) -> str:
-        """A value in words with its name: "crank angle 30°", "a cylinder at 120 mm"."""
+        """A value of φ, rad or m, in words with its name: "crank angle 30°", "a cylinder at 120 mm"."""
         return f"{f'a {self.driver} at' if self.is_linear else 'crank angle'} {self.text(value)}"
 
 
 def driver_coordinate(driver: DriverKind, length: str) -> DriverCoordinate:
-    """The description of φ for a kind of driver; ``length`` is the name of the file's unit of length."""
+    """The description of φ for a kind of driver; ``length`` is the name of the file's unit of length.
+
+    Raises UnknownNameError for an unknown unit, of a driver that is pushed.
+    """
     if driver is DriverKind.CRANK:
         return DriverCoordinate(driver, FileUnit("°", math.radians(1.0)), FileUnit("rpm", RPM))
     size = factor("length", length)
@@ -141,7 +144,10 @@ class Pin:
 
     @property
     def joints(self) -> Mapping[str, str]:
-        """Names of the pin's k - 1 joints, each with the link it joins to the hub and on which its force acts."""
+        """Names of the pin's k - 1 joints, each with the link it joins to the hub and on which its force acts.
+
+        The name is the point's, "A"; of several joints it is "A:rod", with the link.
+        """
         others = [link for link in self.links if link != self.hub]
         return {self.point if len(others) == 1 else f"{self.point}:{link}": link for link in others}
 
@@ -159,7 +165,7 @@ class Slider:
 
     @property
     def name(self) -> str:
-        """Name of the slider's joint."""
+        """Name of the slider's joint: "rod on ground"."""
         return f"{self.link} on {self.guide.host}"
 
 
@@ -176,7 +182,7 @@ class Slot:
 
     @property
     def name(self) -> str:
-        """Name of the joint, which is that of the massless slider that stands for the pin."""
+        """Name of the joint, which is that of the massless slider that stands for the pin: "E in rocker"."""
         return f"{self.point} in {self.guide.host}"
 
 
@@ -408,7 +414,7 @@ class Linkage:
     def plot(self) -> Any:  # noqa: ANN401 - a figure of matplotlib
         """A figure of matplotlib with the scheme in twelve positions of its range.
 
-        Raises LinkproofError without linkproof.
+        Raises LinkproofError unless the package linkproof has been imported.
         """
         if Linkage.drawing is None:
             raise LinkproofError("a linkage is drawn by the package linkproof: import that first")
@@ -418,8 +424,8 @@ class Linkage:
     def named_numbers(self) -> Mapping[str, Number]:
         """Every number by its name; one whose name is already taken gets " #2" or a higher count behind it.
 
-        Angles of a load's table and lengths of the drive have none. Masses come before points, lest a point called
-        ``centre`` take the mass centre's name.
+        Names are as in ``analytic.description.changes``: ``rod.B.x``. Angles of a load's table and lengths of the drive
+        have none. Masses come before points, lest a point called ``centre`` take the mass centre's name.
         """
         result: dict[str, Number] = {}
         every = [number for part in NAMED_PARTS for number in self.numbers_of(part)]
@@ -432,7 +438,10 @@ class Linkage:
         return result
 
     def numbers_of(self, part: str) -> Iterator[Number]:
-        """Every number of one field of the linkage, named ``part``, as an iterator of paths, kinds and values, SI."""
+        """Every number of one field of the linkage, named ``part``, as an iterator of paths, kinds and values, SI.
+
+        A path begins with the field's name. Raises AttributeError or KeyError for a field without numbers.
+        """
         return walk(getattr(self, part), number_fields(Linkage)[part], (part,))
 
     @property
@@ -470,7 +479,7 @@ class Linkage:
 
     @property
     def load_period(self) -> float:
-        """The angle, rad, after which loads over the crank angle repeat: a turn or two."""
+        """The angle, rad, after which loads over the crank angle repeat: a turn or two; a turn without such loads."""
         return max((law.period for law in self.laws if law.period and not law.is_constant), default=FULL_TURN)
 
     @property
@@ -495,12 +504,15 @@ class Linkage:
         return self.is_massless and not any(getattr(self, kind) for kind in LOADS)
 
     def written(self, length: float) -> str:
-        """A length, given in m, as text in the unit of the linkage's file."""
+        """A length, given in m, as text in the unit of the linkage's file, 4 digits: "12.5 mm"."""
         unit = self.units.get("length", "m")
         return f"{length / factor('length', unit):z.4g} {unit}"
 
     def local(self, point: str, body: str) -> Vector:
-        """Coordinates of a point, m, in the frame of a body (a link's name or ``ground``) that carries it."""
+        """Coordinates of a point, m, in the frame of a body (a link's name or ``ground``) that carries it.
+
+        Raises KeyError for another body or point.
+        """
         return self.ground[point] if body == GROUND else self.links[body].points[point]
 
     def shortest_length(self) -> float:
@@ -514,7 +526,11 @@ class Linkage:
         return min(lengths, default=self.extent())
 
     def extent(self) -> float:
-        """Largest magnitude of a coordinate in the description, m: the scale of the drawing."""
+        """Largest magnitude of a coordinate in the description, m: the scale of the drawing.
+
+        The coordinates are those of points and mass centres of links, of points of the ground, and of guides and slots,
+        each in its own frame.
+        """
         guides = [slider.guide for slider in self.sliders] + [slot.guide for slot in self.slots]
         places = [place for link in self.links.values() for place in (*link.points.values(), link.centre)]
         places += [*self.ground.values(), *(guide.through for guide in guides)]
@@ -545,5 +561,5 @@ def _dotted_name(linkage: Linkage, path: Keys) -> str:
 
 
 def _row_in_name(law: Law, row: str | int) -> tuple[str, ...]:
-    """The row of a load's table as the part of a number's name that says it; () for a constant load."""
+    """The row of a load's table as the part of a number's name that says it, as ("3",); () for a constant load."""
     return () if law.angles is None else (str(row),)

@@ -45,7 +45,8 @@ PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)
 class LinkageFile:
     """A linkage file as it was read: the mechanism's name, the file's in messages, its text.
 
-    ``is_known``: whether it comes with the suite, so that its name alone identifies it on every machine.
+    ``is_known``: whether it comes with the suite, so that its name alone identifies it on every machine. ``text`` has
+    Unix line ends.
     """
 
     name: str
@@ -54,7 +55,10 @@ class LinkageFile:
     is_known: bool = False
 
     def linkage(self, variant: str | None = None) -> Linkage:
-        """The linkage in a variant, by default with the file's own values; raises errors as ``load`` does."""
+        """The linkage in a variant, by default with the file's own values.
+
+        Raises DescriptionError, with file and line, for a wrong file, UnknownNameError for an unknown variant.
+        """
         return parse(self.text, self.name, self.origin, variant)
 
 
@@ -74,19 +78,20 @@ def literature() -> tuple[str, ...]:
 
 
 def known_names() -> tuple[str, ...]:
-    """Names of all linkages that come with the suite."""
+    """Names of all linkages that come with the suite: the catalogue's, the gallery's, the literature's, each sorted."""
     return (*catalogue(), *gallery(), *literature())
 
 
 def _names_on_shelf(shelf: Path) -> tuple[str, ...]:
-    """Names, sorted, of the linkage files in a folder of the package."""
+    """Names, sorted, of the linkage files in a folder of the package, without ``.toml``."""
     return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
 def find(name: str) -> Path:
     """Path of a mechanism's file by its name here or its own ``.toml`` path.
 
-    Raises UnknownNameError or DescriptionError.
+    Raises UnknownNameError for a name without suffix that nothing here has, DescriptionError for a path that does not
+    end in .toml or that no file can be read from, and for the name of a folder, or of a .toml file without its suffix.
     """
     path = Path(name)
     ours = known_names()
@@ -112,7 +117,11 @@ def find(name: str) -> Path:
 
 
 def read(name: str | Path) -> LinkageFile:
-    """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
+    """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError.
+
+    A byte-order mark is dropped, and every line end becomes a line feed. Errors are those of ``find``, and
+    DescriptionError, with file and line, for what is not UTF-8.
+    """
     path = find(str(name))
     try:
         text = read_file(path, "a linkage file").decode("utf-8-sig").replace("\r\n", "\n")  # one text everywhere
@@ -128,7 +137,8 @@ def read(name: str | Path) -> LinkageFile:
 def load(name: str | Path, variant: str | None = None) -> Linkage:
     """Read a mechanism by catalogue name or path, in the given variant (its first one if None).
 
-    Raises DescriptionError, with file and line, or UnknownNameError.
+    Raises DescriptionError, with file and line, for a wrong file, or UnknownNameError for an unknown mechanism or
+    variant.
 
     >>> linkproof.load("juki-mf7923d").links["crank"].mass  # kg
     0.64
@@ -139,7 +149,7 @@ def load(name: str | Path, variant: str | None = None) -> Linkage:
 def in_variant(linkage: Linkage, variant: str) -> Linkage:
     """The linkage of another variant of the same file, with the gravity of the given one.
 
-    Raises errors as ``load`` does.
+    Raises UnknownNameError for a variant that the file lacks, DescriptionError for one that is wrong.
     """
     return replace(parse(linkage.text, linkage.name, linkage.name, variant), gravity=linkage.gravity)
 
@@ -148,7 +158,8 @@ def in_variant(linkage: Linkage, variant: str) -> Linkage:
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """The Linkage of a file's text in a variant; ``name`` is its own, ``origin`` names the file in messages.
 
-    Raises errors as ``load`` does; texts seen before are not read again.
+    None is the file's own values. Raises DescriptionError, with file and line, or UnknownNameError for an unknown
+    variant. The last 64 results are kept, and the same object is returned for the same arguments.
     """
     raw, names, source = document(text, name, origin, variant)
     return interpret(validated(raw, source), name, names, source)
@@ -159,8 +170,10 @@ def document(
 ) -> tuple[dict[str, Any], tuple[str, ...], Source]:
     """A file's text as nested dictionaries, a variant laid over it; with the names of all variants, and the source.
 
-    ``origin`` is where the text came from, for messages; None is the variant of the file itself. Raises as ``parse``
-    does, except for faults that only the whole linkage shows.
+    ``name`` is the mechanism's, ``origin`` the file's, both for messages; None is the variant of the file itself, whose
+    name comes first, the others sorted. The dictionaries have no key ``variants``. Raises DescriptionError, with file
+    and line, for a text that is no TOML, control characters and wrong tables of variants, UnknownNameError for an
+    unknown variant; other keys are not checked.
     """
     text = text.removeprefix(BYTE_ORDER_MARK)
     raw = tables(text, origin)
@@ -193,7 +206,7 @@ def document(
 def tables(text: str, origin: str) -> dict[str, Any]:
     """A TOML text as nested dictionaries; raises DescriptionError, with file and line, for a wrong or an empty one.
 
-    ``origin`` is the file.
+    Wrong are also numbers of too many digits and tables nested too deeply. ``origin`` is the file's name in messages.
     """
     if not text.strip():
         raise DescriptionError(
@@ -215,7 +228,7 @@ def tables(text: str, origin: str) -> dict[str, Any]:
 
 
 def _line_number(text: str, position: int) -> int:
-    """The number of the line, from 1, that holds a position of the text."""
+    """The number of the line, from 1, that holds a position of the text, an index of a character."""
     return text.count("\n", 0, position) + 1
 
 
@@ -247,7 +260,10 @@ BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
 
 
 def _syntax_error(fault: str, text: str, origin: str) -> str:
-    """The message for a TOML syntax error, Python's ``fault``: the file ``origin``, line, the fault and its remedy."""
+    """The message for a TOML syntax error, Python's ``fault``: the file ``origin``, line, the fault and its remedy.
+
+    ``text`` is that of the file.
+    """
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line_number(text.rstrip(), len(text)), None)
     slip = _known_slip(fault, text.split("\n")[int(line) - 1])
@@ -256,7 +272,10 @@ def _syntax_error(fault: str, text: str, origin: str) -> str:
 
 
 def _known_slip(fault: str, line: str) -> str:
-    """A frequent slip in a line of a file and its remedy, in words; empty where the fault is no such slip."""
+    """A frequent slip in a line of a file and its remedy, in words; empty where the fault is no such slip.
+
+    ``fault`` is the message of Python's TOML parser.
+    """
     if twice := TWICE.match(fault):
         return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
     name = BARE_NAME.match(line)
@@ -271,13 +290,17 @@ M = TypeVar("M", bound=BaseModel)
 def read_document(path: Path, what: str, model: type[M]) -> M:
     """A TOML file as an object of ``model``; ``what`` it should be is named in words for the error.
 
-    Raises LinkproofError with the path, or DescriptionError with file, line and key.
+    Raises LinkproofError with the path for a file that cannot be read or is not UTF-8, or DescriptionError with file,
+    line and key for a wrong content. An empty file stands for no keys.
     """
     return parse_document(read_source(path, what), model)
 
 
 def read_source(path: Path, what: str) -> Source:
-    """A TOML file's name and text; ``what`` is expected there, in words. Raises LinkproofError with the path."""
+    """A TOML file's name and text, not yet parsed; ``what`` is expected there, in words.
+
+    Raises LinkproofError, with the path, for a file that cannot be read or is not UTF-8.
+    """
     try:
         return Source(printable(str(path)), read_file(path, what).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
@@ -298,9 +321,9 @@ def parse_document(source: Source, model: type[M]) -> M:
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:
-    """Raise DescriptionError for control characters in keys and texts of a file; texts may have line ends.
+    """Raise DescriptionError for control characters in keys and texts of a file; texts may have tabs and line ends.
 
-    They would reach terminals.
+    They would reach terminals. ``raw`` are the nested dictionaries of the file.
     """
     for keys, text in _all_texts(raw, []):
         name = keys[-1]
@@ -311,7 +334,10 @@ def check_characters(raw: Mapping[str, Any], source: Source) -> None:
 
 
 def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
-    """Yield every text of a document with its keys, and every key with "" as text, in depth."""
+    """Yield (keys, text) for every text in nested tables and lists, and (keys, "") for every key, depth first.
+
+    ``keys`` lead to ``value``; an index in a list is one of them, as text, from "0".
+    """
     if isinstance(value, dict):
         for key, inner in value.items():
             yield [*keys, key], ""
@@ -324,7 +350,11 @@ def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]
 
 
 def _check_links(base: object, over: object, source: Source, variant: str) -> None:
-    """Raise DescriptionError for a link of the variant ``over`` that the ``base`` lacks, unless it has a mass."""
+    """Raise DescriptionError for a link of ``over`` that the ``base`` lacks, unless it has a mass.
+
+    ``over`` is the table [links] of the ``variant``, ``base`` the file's; if one of them is no table, nothing is
+    checked.
+    """
     if isinstance(base, dict) and isinstance(over, dict):
         for link, table in over.items():
             if link not in base and not (isinstance(table, dict) and "mass" in table):
@@ -342,7 +372,7 @@ def _with_variant(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str,
 
 
 def validated(raw: Mapping[str, Any], source: Source) -> Document:
-    """The nested dictionaries, checked, as a Document; raises DescriptionError."""
+    """The nested dictionaries, checked, as a Document; raises DescriptionError with file, line and key."""
     try:
         return Document.model_validate(raw)
     except ValidationError as error:
@@ -365,8 +395,9 @@ MOST_NAMED: Final = 12  # changed numbers in the first line
 def with_variant_written(text: str, name: str, variant: str | None) -> str:
     """The text of a linkage file with a variant's numbers, and all defaults, written as its own values.
 
-    Printed figures, which belong to the file as it was, are left out; directions stay as they are written. Raises as
-    ``rewritten`` does.
+    ``name`` is the mechanism's; None is the file's own variant. Printed figures, which belong to the file as it was,
+    are left out; directions stay as they are written. Raises DescriptionError for a wrong file, UnknownNameError for an
+    unknown variant, LinkproofError where a number cannot be written in the units of the file.
     """
     linkage = parse(text, name, name, variant)
     raw, _, source = document(text, name, name, variant)
@@ -384,7 +415,8 @@ def with_variant_written(text: str, name: str, variant: str | None) -> str:
 def written_numbers(text: str, name: str, variant: str | None) -> WrittenNumbers:
     """The places and units of all numbers of a linkage file in a variant, for setting them.
 
-    Raises errors as ``load`` does.
+    ``name`` is the mechanism's; None is the file's own variant. Raises DescriptionError for a wrong file,
+    UnknownNameError for an unknown variant.
     """
     raw, _, source = document(text, name, name, variant)
     return WrittenNumbers(raw, reader_of(validated(raw, source), source), parse(text, name, name, variant))
@@ -405,7 +437,9 @@ def rewritten(
 
     Raises:
         UnknownNameError: For a number or a variant that the file does not have.
-        LinkproofError: Where the numbers describe no linkage, or cannot be written in the units of the file.
+        DescriptionError: For a text that is no linkage file, or numbers that describe no linkage.
+        LinkproofError: For a number that is not finite, a direction of no length, and one that cannot be written in the
+            units of the file.
 
     """
     old = parse(text, name, name, variant)
@@ -435,7 +469,10 @@ def rewritten(
 
 
 class WrittenNumbers:
-    """A linkage file as nested dictionaries, in which numbers are set by name: ``places`` has keys and indices."""
+    """A linkage file as nested dictionaries, ``raw``, in which numbers are set by name.
+
+    ``places`` has the keys and indices of each by name; ``kinds`` and ``values``, SI, are by place.
+    """
 
     def __init__(self, raw: dict[str, Any], reader: Reader, linkage: Linkage) -> None:
         """Find every number of the linkage in ``raw``, the file as nested tables; ``reader`` knows the file's units."""
@@ -447,7 +484,11 @@ class WrittenNumbers:
         self.values = {self.places[name]: number.value for name, number in numbers.items()}
 
     def set(self, number: str, value: float) -> str:
-        """Put an SI value in its place in ``raw``, in the file's unit; returns "name = number unit" as text."""
+        """Put an SI value in its place in ``raw``, in the file's unit; returns "name = number unit" as text.
+
+        A pair that is left out there, given by radius and angle, or a direction is written anew as [x, y]. Raises
+        KeyError for a name that the linkage does not have.
+        """
         place = self.places[number]
         self.values[place] = value
         table: Any = self.raw
@@ -485,7 +526,10 @@ def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
 
 
 def _first_line(name: str, variant: str, sentences: list[str]) -> str:
-    """The comment that begins the new file: from which file and variant it was made, and which numbers were changed."""
+    """The comment that begins the new file: from which file and variant it was made, and which numbers were changed.
+
+    ``sentences`` are "name = number unit"; those beyond the first MOST_NAMED are only counted. It has no line end.
+    """
     more = [f"{len(sentences) - MOST_NAMED} more numbers"] if len(sentences) > MOST_NAMED else []
     numbers = ", ".join([*sentences[:MOST_NAMED], *more]) or "no number changed"
     return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"
@@ -514,7 +558,10 @@ def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
 
 
 def _update(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
-    """Make a parsed file's table or list equal ``new``, in place, by what differs alone, so that comments stay."""
+    """Make a parsed file's table or list equal ``new``, in place, by what differs alone, so that comments stay.
+
+    Both are tables, or lists of one length.
+    """
     if isinstance(old, MutableMapping):
         for key in [key for key in old if key not in new]:
             del old[key]
@@ -539,7 +586,8 @@ def _is_alike(old: object, new: object) -> bool:
 def _check_written_numbers(result: str, name: str, target: Linkage) -> None:
     """Raise LinkproofError where a number of the new file's text misses that of ``target`` by more than rounding.
 
-    So too where one of the two lacks it. ``name`` is the file's.
+    So too where one of the two lacks it; DescriptionError for a text that is no linkage file. ``name`` is the
+    mechanism's.
     """
     new = parse(result, name, f"{name} with other numbers")
     meant, got = numbers_of(target), numbers_of(new)
@@ -552,6 +600,9 @@ def _check_written_numbers(result: str, name: str, target: Linkage) -> None:
 
 
 def _is_near(number: str, got: Mapping[str, float], meant: Mapping[str, float]) -> bool:
-    """Whether the ``number`` of the new file equals the intended one, to the rounding of the file's units."""
+    """Whether the ``number`` of the new file equals the intended one, to the rounding of the file's units.
+
+    ``got`` and ``meant`` are the SI values of the new file and those intended, by name.
+    """
     size = 1.0 if ".along." in number else max(abs(meant[number]), math.ulp(0.0))
     return abs(got[number] - meant[number]) <= ROUNDING * size

@@ -48,14 +48,17 @@ class Reader:
         return self.document.units.model_dump()
 
     def direction(self, pair: tuple[float, float], where: str) -> Vector:
-        """A direction as a unit vector; raises DescriptionError for one without length."""
+        """A direction as a unit vector; raises DescriptionError, at the key ``where``.along, for one without length."""
         if pair == (0.0, 0.0):
             raise self.fail(f"{where}.along: expected a direction [x, y], got [0, 0]; give a vector along the line")
         largest = max(abs(pair[0]), abs(pair[1]))
         return unit_vector((pair[0] / largest, pair[1] / largest))
 
     def points(self, link: str) -> dict[str, doc.Place]:
-        """Named points of a link; a slider's own point sits at its origin unless it says otherwise."""
+        """Named points of a link, as written; a slider's own point sits at its origin unless it says otherwise.
+
+        Raises KeyError for an unknown link.
+        """
         table = self.document.links[link]
         if table.slides is not None and table.slides.point not in table.points:
             return {table.slides.point: (0.0, 0.0), **table.points}
@@ -75,8 +78,8 @@ class Reader:
     def owner(self, point: str, named: str | None, where: str, key: str = "link = ...") -> str:
         """The body that carries a point: ``named`` if given, else the ground if it has the point, else the only link.
 
-        ``key`` is what gives ``named`` in the file, for the message. Raises DescriptionError for an unknown point,
-        another body, or several links.
+        ``where`` is the key at fault and ``key`` what gives ``named`` in the file, both for the message. Raises
+        DescriptionError for an unknown point, another body, or several links.
         """
         owners = self.carriers.get(point)
         if owners is None:
@@ -94,14 +97,20 @@ class Reader:
         return named or (GROUND if GROUND in owners else moving[0])
 
     def body(self, name: str, where: str) -> str:
-        """The name of a link or of the ground; raises DescriptionError if there is none of this name."""
+        """The name itself of a link or of the ground.
+
+        Raises DescriptionError, which begins with the key ``where``, if there is none of this name.
+        """
         if name != GROUND and name not in self.document.links:
             raise self.fail(f"{where}: {UnknownNameError('link', name, [*self.document.links, GROUND])}")
         return name
 
 
 def position(place: doc.Place) -> Vector:
-    """The Cartesian coordinates of a point that may be given by polar ones, in the same unit, angles in rad."""
+    """The Cartesian coordinates of a point that may be given by polar ones, in the same unit, angles in rad.
+
+    A sine or cosine that is zero to rounding counts as zero.
+    """
     if not isinstance(place, doc.Polar):
         return place
     x, y = place.about
@@ -159,7 +168,8 @@ def interpolated_law(
 ) -> Law:
     """The law of a force or torque, SI, by a spline or by straight lines as its table says.
 
-    ``rows`` are its values, ``where`` its place in the file. Raises DescriptionError for keys that do not go together.
+    ``rows`` are its values, SI, a tuple of components for each, ``where`` its key in the file, for messages. Raises
+    DescriptionError for keys that do not go together, and as ``law_over_angle`` does for wrong lists.
     """
     is_over_travel = table.over == "S"
     if (is_over_travel or table.when) and (reader.phi.is_linear or reader.document.output is None):
@@ -187,7 +197,7 @@ def interpolated_law(
 def _period(reader: Reader, table: doc.LoadTable, where: str) -> float | None:
     """The period of a load's table, rad, of one turn or two; None if it is over a travel.
 
-    Raises DescriptionError for others.
+    Raises DescriptionError for others, and for a period over a travel; ``where`` is the load's key, for messages.
     """
     if reader.phi.is_linear or table.over == "S":
         if table.period is not None:
@@ -210,7 +220,8 @@ def law_over_angle(
     """The law through rows of components at ``angles``, rad, increasing, at least 3.
 
     One row without angles is a constant. With ``period`` None they are travels, m. Raises DescriptionError, which
-    begins with ``where``, the rows' place in the file.
+    begins with ``where``, the rows' place in the file, for lists of other lengths, fewer than 3 angles, and angles that
+    do not increase or span a period.
     """
     table = np.array(rows, dtype=float)
     if angles is None:

@@ -51,7 +51,7 @@ class Kind(StrEnum):
 
     @property
     def unit(self) -> str:
-        """The SI unit of the kind, spelt as in files."""
+        """The SI unit of the kind, spelt as in files: "kg*m^2"."""
         return self.si.replace(" ", "*").replace("²", "^2")
 
     def of_driver(self, *, is_linear: bool) -> Kind:
@@ -97,7 +97,10 @@ class FileUnit(NamedTuple):
 
 
 def factor(kind: str, unit: str) -> float:
-    """SI value of one ``unit`` of a kind; raises UnknownNameError, with the nearest known unit of that kind."""
+    """SI value of one ``unit`` of a kind; raises UnknownNameError, with the nearest known unit of that kind.
+
+    Raises KeyError for a kind for which files state no unit.
+    """
     known = UNITS[kind]
     if unit not in known:
         raise UnknownNameError(f"{kind} unit", unit, known)
@@ -107,8 +110,8 @@ def factor(kind: str, unit: str) -> float:
 def conversion(unit: str, si: str) -> float:
     """Value in ``si`` of one ``unit``, a unit of a linkage file, or one of length or angle per ``s`` or ``s^2``.
 
-    Power, energy and plain numbers, for which files have no unit of their own, are in SI. Raises UnknownNameError for
-    a unit of another kind than ``si``.
+    ``si`` is an SI unit as pages print it, "kg m²". Power, energy and plain numbers, for which files have no unit of
+    their own, are in SI. Raises UnknownNameError for a unit of another kind than ``si``.
     """
     what, fitting = f"unit of a figure in {si or 'plain numbers'}", {si: 1.0}  # W, J, a plain number
     if si in MEASURED:

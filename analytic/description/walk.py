@@ -30,7 +30,8 @@ class Number(NamedTuple):
 def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Number]:  # noqa: ANN401 - any part
     """Yield every number of a part with its path and kind, in the order of fields.
 
-    ``kind`` is the part's own field's.
+    ``kind`` is that of the part's own field, None if its parts state their own; ``path`` leads to the part, and paths
+    begin with it.
     """
     if isinstance(part, tuple | list | Mapping):
         for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
@@ -52,7 +53,8 @@ def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Numbe
 def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None) -> Any:  # noqa: ANN401 - any part
     """A copy of a part with ``values``, which may be arrays, at some paths; a changed direction becomes a unit vector.
 
-    ``kind`` is that of the part's field.
+    ``kind`` is that of the part's field. Paths are those of ``walk`` and lead from the part; where there are none in a
+    field, the copy shares it.
     """
     if () in values:
         return values[()]
@@ -91,9 +93,9 @@ def _law(law: Law, rows: dict[str | int, tuple[Any, ...]]) -> Law:
 
 @cache
 def number_fields(part: type) -> Mapping[str, Kind | None]:
-    """The fields of a dataclass or a table that have numbers, with their kinds.
+    """The fields of a dataclass or a table that have numbers, with their kinds, in order.
 
-    None for one whose parts state their own. For any other type {}.
+    None for one whose parts state their own. For any other type {}. The same object comes back for the same type.
     """
     hints: Mapping[str, Any] = {}
     if is_dataclass(part):
@@ -113,7 +115,10 @@ def _inside(hint: Any, what: type[T]) -> Iterator[T]:  # noqa: ANN401 - a hint m
 
 
 def unit_vector(vector: tuple[float, float]) -> tuple[float, float]:
-    """The unit vector along a non-zero vector, whose components may be arrays or traced numbers."""
+    """The unit vector along a non-zero vector, whose components may be arrays or traced numbers.
+
+    Plain numbers that are all zero raise ZeroDivisionError.
+    """
     plain = all(isinstance(part, float | int) for part in vector)
     length = math.hypot(*vector) if plain else np.hypot(*vector)
     return (vector[0] / length, vector[1] / length)

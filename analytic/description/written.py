@@ -29,7 +29,10 @@ def file_unit(si: str, linkage: Linkage) -> FileUnit:
 
 
 def kind_unit(kind: Kind, units: Mapping[str, str]) -> FileUnit:
-    """The unit in which a file, which states ``units`` by kind, has a kind of number; SI where it states none."""
+    """The unit in which a file, which states ``units`` by kind, has a kind of number; SI where it states none.
+
+    Speeds of a crank are in rpm. Raises UnknownNameError for an unknown unit.
+    """
     if kind is Kind.SPEED:
         return FileUnit("rpm", RPM)
     base, rate = (Kind.LENGTH, "/s") if kind is Kind.VELOCITY else (kind, "")
@@ -50,7 +53,7 @@ def finite(value: float) -> float | None:
 
 
 def plain(values: NDArray[np.float64]) -> list[float | None]:
-    """Numbers as a flat or nested list for JSON, None in place of nan and infinity."""
+    """Numbers (n,) as a list for JSON, None in place of nan and infinity."""
     return [finite(value) for value in values.tolist()]
 
 
