@@ -117,9 +117,9 @@ def judged_by(regimes: Regimes) -> str:
 
 
 def failed_methods(points: DataFrame) -> tuple[str, ...]:
-    """Methods that never finished as texts, "RK4, Euler: diverged: …", one per reason, then what the engine leaves out.
+    """Methods that never finished as texts, "RK4, Euler: diverged: …", one per reason, then what the engine omits.
 
-    ``points`` are the rows of one engine in a place. What is left out are its quantities, as it states them.
+    ``points`` are the rows of one engine in a place. What it omits are quantities, as it states them.
     """
     done = points[points.finished]
     first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()

@@ -57,7 +57,7 @@ SIGNS: Mapping[StressVerdict, StressSign] = {
 
 
 def axis_title(name: str) -> str:
-    """The title of an axis in words."""
+    """The title of an axis in words; raises KeyError for an unknown name."""
     return axes()[name].title
 
 
@@ -75,7 +75,7 @@ def border_words(border: Border) -> str:
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
-    """The verdicts with a column: all that occur, and always those of wrong motions."""
+    """The verdicts with a column, in their own order: all that occur, and always "caught" and "missed"."""
     count = stress.count()
     return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in WRONG_MOTIONS)
 
@@ -85,7 +85,10 @@ FLAGGED = "Flagged: "  # separates the fault from the checks' messages in a reas
 
 
 def map_data(stress: Stress, axis: str) -> dict[str, Any]:
-    """The map of one axis, JSON-ready, for its script and its figure."""
+    """The map of one axis, by its name, JSON-ready, for its script and its figure.
+
+    "values" are the columns' as texts, "blocks" the lines of each row; an empty one for an axis without cells.
+    """
     known, values = axes()[axis], stress.columns[axis]
     rows = grouped((line[1], _line_data(stress, line, values)) for line in stress.lines if line[0] == axis)
     return {
@@ -100,7 +103,10 @@ def map_data(stress: Stress, axis: str) -> dict[str, Any]:
 
 
 def _line_data(stress: Stress, line: Line, values: Sequence[float]) -> dict[str, Any]:
-    """A line of the map, JSON-ready: engine, usage, cells (None without a run) at ``values``, and its borders."""
+    """A line of the map, JSON-ready: engine, usage, cells (None without a run) at ``values``, and its borders.
+
+    "bars" are the borders' columns, "border" has them in words.
+    """
     cells = {result.value: _cell_data(result) for result in stress.lines[line]}
     borders = [border for border in stress.borders if border.inside.line == line]
     return {
@@ -113,13 +119,13 @@ def _line_data(stress: Stress, line: Line, values: Sequence[float]) -> dict[str,
 
 
 def _cell_data(result: Cell) -> dict[str, Any]:
-    """A cell of the map, JSON-ready: the number of its verdict, its facts and its command."""
+    """A cell of the map, JSON-ready: the index of its verdict in ``SIGNS``, its facts and its command."""
     sign = list(SIGNS).index(result.verdict)
     return {"verdict": sign, "story": cell_facts(result), "command": result.command}
 
 
 def border_place(border: Border, values: Sequence[float]) -> int:
-    """The index of the column, of those with these ``values``, whose left edge is the border."""
+    """The index of the column, of those with these ``values``, rising or falling, whose left edge is the border."""
     low, high = border.ends
     between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     rising = list(values) == sorted(values)
@@ -149,12 +155,15 @@ def _error_and_limit(errors: Sequence[Error]) -> str:
 
 
 def _condition_text(value: object) -> str:
-    """The value of a condition as text."""
+    """The value of a condition as text, a float to three digits."""
     return value_words(value) if isinstance(value, float) else str(value)
 
 
 def verdict_symbols(stress: Stress) -> list[dict[str, Any]]:
-    """The symbol, colours and word of every verdict for the map's script, JSON-ready."""
+    """The symbol, colours, meaning and word of every verdict for the map's script, JSON-ready.
+
+    "fixed" is one whose ink stays in the dark, "occurs" one that a cell has.
+    """
     seen = stress.count()
     return [
         {**sign._asdict(), "word": verdict.value, "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}
@@ -172,7 +181,7 @@ RANKED = "tuned"  # the setting by which engines are ranked
 
 
 def summary(stress: Stress, macro: str) -> str:
-    """The sentences of one ``macro`` on runs, wrong motions flagged and missed, and false alarms."""
+    """The sentences of a ``macro`` of sentences.txt on runs, wrong motions flagged and missed, and false alarms."""
     count = stress.count()
     caught, missed, alarms = (count[verdict] for verdict in (*WRONG_MOTIONS, StressVerdict.ALARM))
     extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
@@ -196,10 +205,7 @@ def ranking(stress: Stress) -> str:
 
 
 def verdict_facts(stress: Stress) -> Facts:
-    """The number of cells with each verdict, and its meaning; verdicts that do not occur are left out.
-
-    Those of wrong motions always stand there: of "missed" the claim is that there are 0.
-    """
+    """The number of cells and its meaning, in words, by verdict: those that occur, and always "caught" and "missed"."""
     count = stress.count()
     return Facts(
         tuple(
@@ -210,7 +216,10 @@ def verdict_facts(stress: Stress) -> Facts:
 
 
 def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "") -> Table:
-    """A table of verdict counts: axes, called by ``name``, down and engines across."""
+    """A table of verdict counts: axes, called by ``name``, down and engines across, with a row for all of several axes.
+
+    ``name`` gets an axis's name and returns its words.
+    """
     rows: list[tuple[Words | TableCell, ...]] = [
         (name(axis), *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes
     ]
@@ -228,7 +237,7 @@ def _compact(count: Counter[StressVerdict]) -> TableCell:
 
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
-    """A table with a row per border; repeated cells are blank. ``name`` gives an axis its title."""
+    """A table with a row per border; repeated cells are blank. ``name`` makes of an axis's name its title."""
     rows = blank_repeats(
         ((name(border.inside.axis), *border.inside.line[1:],
           TableCell(border_words(border), colour=SIGNS[border.outside.verdict].terminal))
@@ -239,7 +248,7 @@ def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
 def incident_table(results: Iterable[Cell]) -> Table:
     """A table with a row per cell, its reason and its command, by engine.
 
-    Of many cells only the first of each axis and engine is shown, with the number of the others.
+    Of more than 40 cells only the first of each axis and engine is shown, with the number of the others.
     """
     cell_results = sorted(results, key=lambda result: result.engine)
     is_long = len(cell_results) > MOST_ALONE
@@ -249,7 +258,10 @@ def incident_table(results: Iterable[Cell]) -> Table:
 
 
 def _incident_row(cell: Cell, others: int) -> tuple[TableCell | Words, ...]:
-    """The cells of a cell of the map; ``others`` more of its axis are not listed."""
+    """The cells of a cell's row: engine, place, value, setting, reason, command.
+
+    Its note has the number of ``others`` of its axis that are not listed.
+    """
     place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
     return (cell.engine, place, value_words(cell.value), cell.setting, cell.reason, Mono(cell.command))
 
@@ -271,14 +283,14 @@ def printout(stress: Stress) -> Printout:
 
 
 def _incident_line(cell: Cell) -> Paragraph:
-    """A cell's verdict, place and reason, with the command that repeats it."""
+    """A cell's verdict, place and reason, and in a second line the command that repeats it, in the verdict's colour."""
     place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.setting}"
     text = f"{cell.verdict.value}: {place}: {cell.reason}\n  {cell.command}"
     return Paragraph(text, colour=SIGNS[cell.verdict].terminal)
 
 
 def cell_details(result: Cell) -> str:
-    """The details of a cell as text, a line for each fact."""
+    """The details of a cell as text: its key and verdict, then an indented line for each fact."""
     facts = (f"{name}: {words}" for name, words in cell_facts(result).items())
     return "\n  ".join([f"{result.key}: {result.verdict.value}", *facts])
 

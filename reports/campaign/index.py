@@ -102,9 +102,9 @@ class EngineRecords:
         return next((record.detail for record in self.records if record.detail), "")
 
     def style(self, *, is_idle: bool) -> str:
-        """The style class of a cell: by the verdict, or muted for an error if ``is_idle``.
+        """The style class of a cell: "pass", "over", or "failed" and "absent" without an error.
 
-        An idle setting decides nothing.
+        It is "muted" for an error if ``is_idle``: an idle setting decides nothing.
         """
         if self.error is None:
             return "failed" if self.failed else "absent"
@@ -130,7 +130,10 @@ class EngineRanking:
 
     @cached_property
     def families(self) -> tuple[str, ...]:
-        """The families in which any engine was judged, in the order of the table."""
+        """The titles of the families in which any engine was judged, in the order of the table.
+
+        After those of quantities come ``RELEASED`` and ``CHECKS``.
+        """
         some = {name for cells in self.cells.values() for name, cell in cells.items() if cell.judged}
         names = (*map(family_title, columns(self.results)[0]), RELEASED, CHECKS)
         return tuple(name for name in names if name in some)
@@ -160,18 +163,18 @@ class EngineRanking:
         return [run for run in self.results.runs if (run.engine, run.setting) == (engine, setting)]
 
     def cell(self, engine: str, setting: str, family_name: str) -> EngineRecords:
-        """The records of an engine at a setting in a family of quantities; empty without any."""
+        """The records of an engine at a setting in a family of quantities, called by its title; empty without any."""
         return self.cells.get((engine, setting), {}).get(family_name, EngineRecords())
 
     def row(self, engine: str, setting: str) -> dict[str, EngineRecords]:
-        """The records of each family in which an engine was judged at a setting."""
+        """The records of each family in which an engine was judged at a setting, by the family's title."""
         cells = {name: self.cell(engine, setting, name) for name in self.families}
         return {name: cell for name, cell in cells.items() if cell.judged}
 
     def most_accurate(self, setting: str, family_name: str) -> str:
-        """The engine with the least maximum error in a family, of those that never failed; "" without rivals.
+        """The engine with the least maximum error in a family, of those that never failed.
 
-        Controls are no rivals.
+        "" without one, or where it has no rivals; controls are none.
         """
         cells = {
             engine: self.cell(engine, setting, family_name) for engine in self.engines if engine not in self.controls
@@ -180,7 +183,7 @@ class EngineRanking:
         return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
     def seconds(self, engine: str, setting: str) -> float | None:
-        """Set-up and stepping of a run, s, as the shifted geometric mean of all that made steps; None without."""
+        """Set-up and stepping of a run, s, as the shifted geometric mean of all that made steps; None without any."""
         runs = [run.setup_seconds + run.seconds for run in self.runs(engine, setting) if run.steps]
         return statistics.geometric_mean(time + SHIFT for time in runs) - SHIFT if runs else None
 
@@ -209,7 +212,7 @@ class EngineRanking:
 
 
 def ratio(record: Error) -> str:
-    """An error divided by its limit as text; below a thousandth only that."""
+    """An error divided by its limit as text, to two digits; "< 0.001" below a thousandth."""
     value = share(record)
     return "< 0.001" if value < 1e-3 else numbers.figure(value, 2)
 
@@ -218,7 +221,7 @@ def verdict(trust: EngineRanking) -> tuple[str, ...]:
     """Sentences on changes, on the engines to trust, and on the naive settings; those without occasion are left out.
 
     Nobody is to be trusted where the campaign has not passed. The quickest is not named: a campaign times each run
-    once, which cannot tell times from noise; a benchmark can.
+    once, which cannot tell times from noise; a benchmark can. Raises IndexError where nothing ran.
     """
     setting, results = trust.settings[0], trust.results
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
@@ -232,7 +235,10 @@ def verdict(trust: EngineRanking) -> tuple[str, ...]:
 
 
 def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) -> str:
-    """Sentences, as one text, on the engines to trust in all families, in some, and in none, at a setting."""
+    """Sentences, as one text, on the engines to trust in all families, in some, and in none, at a setting.
+
+    ``engines`` are the names of those to speak of.
+    """
     judged = {name: trust.row(name, setting) for name in engines}
     wrong = {name: [f for f, cell in cells.items() if cell.failed] for name, cells in judged.items()}
     lacking = {name: [f for f in trust.families if f not in judged[name]] for name in engines}
@@ -257,7 +263,7 @@ def _has_failed(results: CampaignResults) -> bool:
 
 
 def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
-    """Sentences, as one text, on which engines are within limits at their naive settings, which decide nothing."""
+    """Sentences, as one text, on which of these engines are within limits at naive settings, which decide nothing."""
     ran = {name: trust.row(name, Setting.NAIVE.value).values() for name in engines}
     over = {name: max(h.error or 0.0 for h in cells) for name, cells in ran.items() if any(h.failed for h in cells)}
     within = [name for name, cells in ran.items() if cells and name not in over]
@@ -266,7 +272,7 @@ def _naive_sentence(trust: EngineRanking, engines: Sequence[str]) -> str:
 
 
 def _share_of_peak(error: float) -> str:
-    """An error over the peak as text in per cent; for many peaks only the order of magnitude."""
+    """An error over the peak as text in per cent, two digits; from 100 peaks on as a number of peaks."""
     if error < MOST_PERCENT:
         return f"{float(f'{100.0 * error:.2g}'):g} %"
     return f"{numbers.printed(float(f'{error:.2g}'))} peaks"
@@ -284,7 +290,10 @@ FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke
 
 
 def card(sheet: Sheet) -> Card:
-    """The card of a sheet's mechanism with a link to its page: scheme, if it has positions, and key figures."""
+    """The card of a sheet's mechanism with a link to its page: scheme, if it has positions, and key figures.
+
+    The scheme is drawn when the page is written.
+    """
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     facts = Facts(tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES))
@@ -321,7 +330,7 @@ def index(
 ) -> Page:
     """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``.
 
-    What there is not is left out.
+    What there is not is left out. ``results`` is None without a campaign; ``cost`` follows the verdict.
     """
     trust = EngineRanking(results) if results is not None and results.records else None
     cards = Cards(tuple(map(card, sheets)))
@@ -406,7 +415,10 @@ def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
 
 
 def leads_to(trust: EngineRanking, record: Error | None) -> str:
-    """The address of an error's curve on the page of its mechanism; "" for a check, which has no curve."""
+    """The address of an error's curve on the page of its mechanism; "" for None and for a check, which has no curve.
+
+    It is within the report's folder. Raises KeyError for a mechanism that is not the campaign's.
+    """
     if record is None or record.quantity in trust.checks:
         return ""
     linkages = {(linkage.name, linkage.variant): linkage for linkage in trust.results.linkages}
@@ -431,9 +443,9 @@ def settings_table(trust: EngineRanking) -> Table:
 
 
 def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tuple[TableCell | str, ...]:
-    """Three cells: how many deviations from the closed form are within limits, the worst one, and the time of a run.
+    """Three cells: the share of deviations from the closed form within limits, the worst one, and the time of a run.
 
-    One cell, with the reason, without any.
+    One cell over all three, with the reason, without any.
     """
     cells = trust.cells.get((engine, setting), {})
     own = EngineRecords(tuple(record for name, cell in cells.items() if name != CHECKS for record in cell.records))
@@ -476,7 +488,7 @@ def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
 def _family_cell(trust: EngineRanking, engine: str, setting: str, name: str, *, leads: bool) -> TableCell:
     """The cell of an engine in the family ``name``: its largest error, or a sign and the reason for its absence.
 
-    It ``leads`` to the curve, if wanted.
+    It is a link to the curve if it ``leads`` there, and marked as the best of its column.
     """
     records, worst = trust.cell(engine, setting, name), trust.cell(engine, setting, name).worst
     style = records.style(is_idle=trust.is_idle(setting))
@@ -507,7 +519,7 @@ def _run_section(results: CampaignResults, sheets: Sequence[Sheet]) -> Section:
 
 
 def _facts(results: CampaignResults) -> tuple[tuple[str, str | Mono], ...]:
-    """Name and value, in words, of everything that decides a figure or a time of the report."""
+    """Name and value, in words, of everything that decides a figure or a time of the report, a pair each."""
     engines = {run.engine: run.engine_version for run in results.runs}
     regimes = dict.fromkeys((record.regime, record.conditions) for record in every_record(results))
     versions = ", ".join(f"{name} {engines[name] or 'not installed'}" for name in sorted(engines))

@@ -16,9 +16,10 @@ CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
 def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
-    """JUnit's XML of a campaign: a suite per mechanism, variant and regime; the classes are engine and setting.
+    """JUnit's XML of a campaign as text: a suite per mechanism, variant and regime; the classes are engine and setting.
 
     Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.
+    Changes are a suite of their own.
     """
     by_motion = grouped((run.run[:3], run) for run in runs)
     records = [record for part in by_motion.values() for run in part for record in run.every]
@@ -76,7 +77,7 @@ def _change_case(entry: Change) -> ElementTree.Element:
 
 
 def _test_case(place: str, name: str) -> ElementTree.Element:
-    """An empty test case of JUnit; ``place`` becomes its class name."""
+    """An empty test case of JUnit called ``name``; ``place`` becomes its class name."""
     return ElementTree.Element("testcase", classname=_legal(place), name=_legal(name))
 
 
@@ -88,5 +89,5 @@ def _outcome_counts(cases: Sequence[ElementTree.Element]) -> dict[str, str]:
 
 
 def _legal(text: str) -> str:
-    """The text without characters that XML does not allow."""
+    """The text with � in place of characters that XML does not allow."""
     return ILLEGAL.sub("�", text)

@@ -34,8 +34,8 @@ def printout(
 ) -> Printout:
     """The printed comparison: one table per mechanism and regime, quantities down, runs across; then the changes.
 
-    ``runs`` are gone through again for each part of it. ``environment`` says how many ran at a time. Reasons, advice
-    and counts close it.
+    ``runs`` are gone through again for each part of it, so no iterator will do. ``environment`` says how many ran at a
+    time. Reasons, advice and counts close it; tables and details are made as they are printed.
     """
     closing = [
         *appeared_note(changes),
@@ -48,9 +48,9 @@ def printout(
 
 
 def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_others: str) -> Iterator[Printed]:
-    """Yield the tables of each mechanism and regime, a few runs each, then of what has changed.
+    """Yield the tables of each mechanism and regime, four runs each, then of what has changed.
 
-    ``while_others`` notes how many ran at a time.
+    ``while_others`` notes how many ran at a time, "" for one.
     """
     for together in _by_motion(runs):
         yield _motion_heading(together[0])
@@ -65,7 +65,10 @@ def _motion_tables(runs: Iterable[RunRecord], changes: Sequence[Change], while_o
 
 
 def _details(runs: Iterable[RunRecord]) -> Iterator[str]:
-    """Yield the table of every record with all its numbers, then a blank line."""
+    """Yield the table of every record with all its numbers as a text, then a blank line.
+
+    Raises KeyError without records.
+    """
     import pandas as pd  # noqa: PLC0415 - half a second that only a verbose command pays
 
     table = pd.DataFrame([record._asdict() for run in runs for record in run.every])[DETAILS]
@@ -94,7 +97,10 @@ def _motion_heading(run: RunRecord) -> Paragraph:
 
 
 def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
-    """Quantities down, the runs of one mechanism and regime across; ``while_others`` notes how many ran."""
+    """The table of the runs of one mechanism and regime: families of quantities down, runs across.
+
+    Errors are over the peak; times and steps close it. ``while_others`` notes how many ran at a time.
+    """
     rows: list[Sequence[TableCell | Words]] = [
         (name, limit_words(records), *map(error_cell, records))
         for name, records in error_rows([run.every for run in runs], family).items()

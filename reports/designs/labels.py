@@ -45,7 +45,10 @@ class Label(NamedTuple):
 
 
 def label(name: str) -> Label:
-    """The Label of a signal by its name: the dataset's variable, its dimension, the place along that, its component."""
+    """The Label of a signal by its name: the dataset's variable, its dimension, the place along that, its component.
+
+    Raises KeyError for an unknown component of a known kind; any other name is a variable itself.
+    """
     kind, _, rest = name.partition(":")
     if kind == GROUP:
         return Label(kind, DIMENSIONS[kind], rest)
@@ -57,14 +60,15 @@ def label(name: str) -> Label:
 
 
 def unit(name: str, linkage: Linkage) -> str:
-    """SI unit of a signal or quantity of the linkage."""
+    """The SI unit of a signal or quantity of the linkage, as text; raises KeyError for an unknown one."""
     return "s" if name == TIME else signals.unit(name, linkage)
 
 
 def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:
     """A dataset of signals (n,) by name over the signal ``axis``, with units; facts ``about`` it are attributes.
 
-    So are mechanism and variant. The time and φ are coordinates.
+    So are mechanism and variant. The time and φ are coordinates. ``axis`` is "phi" or "time" and among the ``values``,
+    SI.
     """
     variables: dict[str, dict[Label, str]] = {}
     for name in values:
@@ -96,10 +100,10 @@ def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Ma
 def evaluated(
     mechanism: Mechanism, angle: Array, names: Sequence[str] | None, moves: Mapping[str, Any]
 ) -> xarray.Dataset:
-    """A dataset of quantities over crank angles (n,), rad; by default all that ``moves`` allows.
+    """A dataset of quantities over crank angles (n,), rad; all that ``moves`` allows if ``names`` is None.
 
     ``moves`` has "speed", None without, and "acceleration", SI. Raises LinkproofError for a quantity that needs a
-    speed, UnknownNameError for an unknown one.
+    speed, UnknownNameError for an unknown one, AssemblyError for angles that the crank cannot reach.
     """
     variables = _signals_by_variable(mechanism)
     chosen = _requested_variables(mechanism, names, variables, moves=moves["speed"] is not None)
@@ -119,7 +123,7 @@ def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
 def _requested_variables(
     mechanism: Mechanism, names: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
-    """The requested variables, each once; by default all that need no motion, or all if the crank ``moves``.
+    """The requested variables, each once; for None all that need no motion, or all if the crank ``moves``.
 
     ``known`` has their signals. Raises UnknownNameError for an unknown one, LinkproofError for one that needs a motion.
     """
@@ -144,7 +148,8 @@ def evaluated_designs(
 ) -> xarray.Dataset:
     """A dataset of quantities of many designs over crank angles, rad, and of whether each is ``assembled``.
 
-    ``designs`` has numbers (k,), SI, by name; else as ``evaluated``.
+    ``designs`` has arrays (k,) of numbers, SI, by name. ``names``, ``moves`` and errors are as of ``evaluated``, but a
+    design that does not assemble is NaN; signals of parts and S are unknown here.
     """
     known = {name: parts for name, parts in _signals_by_variable(mechanism).items() if name != "S" and parts == [name]}
     chosen = _requested_variables(mechanism, names, known, moves=moves["speed"] is not None)

@@ -42,9 +42,10 @@ SCHEMA_LINE: Final = "#:schema"
 
 
 def new(name: str, like: LinkageFile | None = None) -> New:
-    """Write a linkage file to fill in, or a copy of ``like``, and the schema with which an editor checks it.
+    """Write the linkage file ``name``.toml to fill in, or a copy of ``like``, and the schema by which editors check it.
 
-    Where they are. A schema of somebody else stays. Raises LinkproofError for a bad name, and for a file that exists.
+    The schema, beside it, is renewed, but one of somebody else stays. Raises LinkproofError for a bad name, a file that
+    exists or cannot be written, and a ``like`` with a fault.
     """
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
@@ -96,7 +97,7 @@ class New(Study):
 
 
 def _is_ours(path: Path) -> bool:
-    """Whether the schema file may be written: there is none, or one that linkproof wrote."""
+    """Whether the schema file may be written: there is none, or one that linkproof wrote; no error is raised."""
     try:
         return not os.path.lexists(path) or bool(json.loads(read_file(path, "a schema")).get("title") == TITLE)
     except (LinkproofError, ValueError, AttributeError, RecursionError):
@@ -104,7 +105,7 @@ def _is_ours(path: Path) -> bool:
 
 
 def review(linkage: Linkage, word: str, *, strict: bool) -> Check:
-    """The facts on a linkage, called ``word``, up to its first fault.
+    """The facts on a linkage, up to its first fault, which is kept and not raised; ``word`` is the user's name for it.
 
     With ``strict``, a likely mistake counts as a fault.
     """
@@ -119,7 +120,10 @@ def review(linkage: Linkage, word: str, *, strict: bool) -> Check:
 
 @dataclass(frozen=True, repr=False)
 class Check(Study):
-    """A review: the ``facts``, SI with angles in rad, and the ``fault`` or None; ``word`` names the linkage."""
+    """A review: the ``facts``, SI with angles in rad, and the ``fault`` or None.
+
+    ``word`` is the name or path by which a command names the linkage, "" without one.
+    """
 
     suffixes: ClassVar = (".json", *PICTURES, ".dxf")
     linkage: Linkage
@@ -156,14 +160,20 @@ class Check(Study):
         return self.facts
 
     def plot(self) -> Figure:
-        """The scheme in twelve positions of its range, a figure of matplotlib."""
+        """The scheme in twelve positions of its range, a figure of matplotlib.
+
+        Raises LinkproofError for a linkage that cannot be assembled.
+        """
         from comparisons.designer.building import positions_over_range  # noqa: PLC0415 - matplotlib takes a second
         from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
         return scheme_figure(self.linkage, positions_over_range(Mechanism(self.linkage)))
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix; raises the fault of a linkage that cannot be drawn."""
+        """The content of a file with this suffix: JSON, the text of a DXF drawing at the sketch, or a picture.
+
+        Raises the fault of a linkage that cannot be drawn.
+        """
         if suffix != ".json" and self.fault is not None:
             raise self.fault
         if suffix != ".dxf":
@@ -182,7 +192,7 @@ class Check(Study):
         return [Path(file) for file in files]
 
     def hint(self, saved: Sequence[Path]) -> str:
-        """A hint with the command that draws the linkage.
+        """A hint, after a blank line, with the command that draws the linkage.
 
         "" where a file was saved, there is a fault or the command has no word.
         """
@@ -192,7 +202,7 @@ class Check(Study):
 
 
 def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> list[Printed]:
-    """A line for each fact, then the table of links and warnings.
+    """The printed parts of a review: heading, a line for each fact, then the table of links and warnings.
 
     ``written`` writes a length, m, in the file's unit.
     """
@@ -205,7 +215,7 @@ def printed_facts(facts: Mapping[str, Any], written: Callable[[float], str]) -> 
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
-    """Yield the cells of each link: name, mass, inertia, mean Jeq, points."""
+    """Yield the cells of each link as texts: name, mass, inertia, mean Jeq, SI, points; "-" for what it lacks."""
     for name, link in links.items():
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
         mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
@@ -218,7 +228,8 @@ TOUCH: Final = 1e-9  # of the largest of its kind: the least magnitude of what p
 def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing:
     """Every figure of a design under a motion, extremes refined, and every number, in file units, as a Listing.
 
-    ``conditions`` are those of the ``case`` in words. A number has the digits that give its value back.
+    ``conditions`` are those of the ``case`` in words. A number has the digits that give its value back. Raises
+    LinkproofError where the linkage cannot make the motion.
     """
     from comparisons.designer.parameters import named_figures, parameters  # noqa: PLC0415 - check needs no designs
 
@@ -261,6 +272,9 @@ def listed_figures(mechanism: Mechanism, conditions: str, case: Case) -> Listing
 
 
 def _values_table(what: str, rows: Sequence[Mapping[str, Any]], written: Callable[[Any], str]) -> Table:
-    """A table of names, units and values, which ``written`` turns into text; ``what`` heads the names."""
+    """A table of names, units and values, of ``rows`` with "name", "units" and "value"; ``what`` heads the names.
+
+    ``written`` turns a value into text.
+    """
     cells = [(row["name"], row["units"], written(row["value"])) for row in rows]
     return Table("", (what, "unit", "value"), cells, "llr")

@@ -38,7 +38,10 @@ SETTLED: Final = 1e-4  # a residual that a local optimum stays below
 
 @dataclass(frozen=True, repr=False)
 class Optimisation(Study):
-    """The best design of a linkage, in the units of its file."""
+    """The best design of a linkage, in the units of its file.
+
+    ``conditions`` are those of the motion in words, ``command`` repeats the search.
+    """
 
     suffixes: ClassVar = (".toml", ".json", *PICTURES)
     best: Optimum
@@ -62,7 +65,7 @@ class Optimisation(Study):
         """Numbers and figures over ``design``, before and after, with their units.
 
         The attributes have the ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0
-        at a local optimum.
+        at a local optimum. Raises AssemblyError as ``toml`` does.
         """
         import xarray as xr  # noqa: PLC0415 - half a second that tables save
 
@@ -142,7 +145,7 @@ class Optimisation(Study):
         }
 
     def _search(self) -> dict[str, Any]:
-        """The method, its cost and the ends of the search, JSON-ready."""
+        """The method, its cost and the ends of the search, each None where a start led nowhere; JSON-ready, SI."""
         best, problem, search = self.best, self.best.problem, self.best.search
         ends = [
             end and {"numbers": problem.numbers(end.place), "aim": problem.sign * end.aim * problem.aim_size,
@@ -165,17 +168,17 @@ class Optimisation(Study):
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """A figure of the signals before and after."""
+        """A figure of the signals before and after, nine at most."""
         return _before_after_figure(self.best, self.conditions)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix."""
+        """The content of a file with this suffix: for .toml the text of the new linkage file, else picture or JSON."""
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:
         """A sentence with the command by which an engine checks the new design.
 
-        Its file comes first if not ``saved``.
+        How to write its file comes first if no .toml is among the files ``saved``.
         """
         file = next((str(file) for file in saved if file.suffix.lower() == ".toml"), None)
         first = "" if file else "--save best.toml writes the new file; "
@@ -184,7 +187,10 @@ class Optimisation(Study):
 
 
 def _aim(optimum: Optimum) -> str:
-    """The aim of the search in words: "least" or "largest", and the figure's name."""
+    """The aim of the search in words: "least" or "largest", and the figure's name.
+
+    Of several figures it is "least largest of" them, or "largest least of".
+    """
     names, least = ", ".join(named_figure.name for named_figure in optimum.problem.aims), optimum.problem.sign > 0.0
     of_many = f"{'largest' if least else 'least'} of " if len(optimum.problem.aims) > 1 else ""
     return f"{'least' if least else 'largest'} {of_many}{names}"
@@ -227,7 +233,7 @@ def _relative(before: float, after: float) -> float:
 
 
 def _percent(share: float) -> str:
-    """A share in per cent; "" if it is not finite."""
+    """A share in per cent, with its sign, as text; "" if it is not finite."""
     return change(share) if math.isfinite(share) else ""
 
 
@@ -265,7 +271,7 @@ def _optimality(search: Search) -> Iterator[str]:
 
 
 def _rounding(optimum: Optimum) -> str:
-    """A sentence on the loss by lengths in whole steps, and on the constraints that they violate."""
+    """A sentence on the loss by lengths in whole steps, and on the constraints that they violate; needs a step."""
     problem = optimum.problem
     before, after = (problem.sign * optimum.aim(values) for values in (optimum.exact, optimum.values[1]))
     after_of = dict(zip((each.name for each in optimum.figures), optimum.values[1], strict=True))
@@ -281,7 +287,7 @@ def _rounding(optimum: Optimum) -> str:
 
 
 def _starts(optimum: Optimum) -> str:
-    """A sentence on where the searches ended."""
+    """A sentence on where the searches ended: how many here, at other optima and at no feasible design."""
     search, feasible = optimum.search, [end for end in optimum.search.elsewhere if end.is_feasible]
     here = sum(end is not None for end in search.ends) - len(search.elsewhere)
     sentence = f"Starts: {len(search.ends)}; {here} ended at this optimum"
@@ -302,7 +308,7 @@ PANEL, FRAME = 1.9, 1.2  # in, height of a panel, of the words above and below
 def _before_after_figure(optimum: Optimum, conditions: str) -> Figure:
     """A figure with a panel per signal, the drive's torque first, its peaks before and after marked.
 
-    There are nine panels at most.
+    There are nine panels at most; aim and ``conditions`` stand above.
     """
     from reports.charts import draw  # noqa: PLC0415 - a table needs no matplotlib
 

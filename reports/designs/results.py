@@ -44,8 +44,8 @@ DRIVE_COLUMNS: Final = (
 class Results(Study):
     """Every signal of a linkage over a motion of its crank; ``chosen`` are the instants (n,), s, of the tables.
 
-    ``dataset`` is in SI, what is printed in the units of the file. ``save`` takes the ``decimal`` mark of a .csv, and
-    the one ``figure`` of a picture.
+    With None these have key figures. ``dataset`` is in SI, what is printed in the units of the file. ``save`` takes the
+    ``decimal`` mark of a .csv, and the one ``figure`` of a picture.
     """
 
     suffixes: ClassVar = (".csv", ".json", ".xlsx", *PICTURES, ".dxf")
@@ -59,7 +59,7 @@ class Results(Study):
 
     @cached_property
     def _whole_sheet(self) -> Sheet:
-        """The sheet with the peaks of all signals, also of those without a table."""
+        """The sheet with the peaks of all signals, also of those without a table; raises as ``sheet`` does."""
         return sheet(self.case, self.chosen, every_peak=True)
 
     @cached_property
@@ -120,9 +120,9 @@ class Results(Study):
         return results_figure(page_sheet(self.case), figure)
 
     def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
-        """The content of a file with this suffix.
+        """The content of a file with this suffix: text of .csv, .dxf and .json, bytes of .xlsx, a picture.
 
-        A .csv has the ``decimal`` mark, a picture the one ``figure`` or all.
+        A .csv has the ``decimal`` mark, "." or ",", a picture the one ``figure``, by name, or all.
         """
         if suffix == ".csv":
             return csv_table(self.sheet, decimal)
@@ -139,7 +139,10 @@ class Results(Study):
         return super().content(suffix, figure=figure) if suffix in PICTURES else self.json()
 
     def write(self, folder: str | Path) -> Path:
-        """Save the case among those of a report's folder and write all its pages; returns the linkage's page."""
+        """Save the case among those of a report's folder and write all its pages; returns the linkage's page's path.
+
+        Raises LinkproofError where another command writes there or a file cannot be written.
+        """
         from comparisons.trials.campaign.results import save_case  # noqa: PLC0415 - figures cost a second
         from comparisons.trials.runs.files import claim  # noqa: PLC0415
         from reports.mechanism.page import file_of  # noqa: PLC0415
@@ -155,7 +158,7 @@ class Results(Study):
 def printed(sheet: Sheet) -> list[Printed]:
     """The conditions, tables of the key figures or of every signal at the chosen instants, and remarks, as parts.
 
-    The remarks are on signs and what the file does not give.
+    The remarks are sentences on signs and what the file does not give.
     """
     tables = _key_figures(sheet) if sheet.chosen is None else _at_instants(sheet)
     parts = (part for table in tables for part in ("", table))
@@ -188,7 +191,7 @@ def _at_instants(sheet: Sheet) -> list[Table]:
 
 
 def _instants_table(sheet: Sheet, names: Sequence[str]) -> Table:
-    """The table of some signals: a row per chosen instant, a column per signal."""
+    """The table of some signals, by name: a row per chosen instant, a column per signal; without signals no rows."""
     head = [*places(sheet), *(_column_head(sheet, name, name) for name in names)]
     columns = [_column(sheet, name) for name in names]
     rows = [(*where, *cells) for where, cells in zip(_instants(sheet), zip(*columns, strict=True), strict=False)]
@@ -219,7 +222,7 @@ def _part_tables(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
 
 
 def _column_head(sheet: Sheet, name: str, label: str) -> str:
-    """The label of a signal's column with its unit in the file."""
+    """The ``label`` of the column of the signal ``name``, with its unit in the file."""
     return f"{label} {sheet.unit(name).name}"
 
 
@@ -231,7 +234,7 @@ def _instants(sheet: Sheet) -> list[tuple[str, ...]]:
 
 
 def _column(sheet: Sheet, name: str) -> list[str]:
-    """A signal's values at the instants as text, in the file's unit."""
+    """A signal's values at the instants as text, in the file's unit; what is only rounding is 0."""
     return [figure(sheet.without_rounding(name, value) / sheet.unit(name).size) for value in sheet.table[name].tolist()]
 
 

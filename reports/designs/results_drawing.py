@@ -39,15 +39,16 @@ MOST_CURVES: Final = 10
 
 
 def results_figure(sheet: Sheet, name: str | None = None) -> Figure:
-    """The whole drawing of a sheet or, by ``name``, one figure of it for a paper's column; raises LinkproofError.
+    """The whole drawing of a sheet or, by ``name``, one figure of it for a paper's column; one of ``FIGURES``.
 
-    The sheet is one that ``page_sheet`` made. The error is for an unknown name, or a figure that the linkage lacks.
+    The sheet is one that ``page_sheet`` made. Raises UnknownNameError for another name, LinkproofError for a figure
+    that the linkage lacks.
     """
     return _everything(sheet) if name is None else _column_figure(sheet, name)
 
 
 def _everything(sheet: Sheet) -> Figure:
-    """The figure with all panels: scheme, curves, and rows of forces."""
+    """The figure with all panels: scheme, curves of torque, power and S, and hodographs of the forces."""
     joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
     vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
     rows = -(-len(vectors) // PER_ROW)
@@ -89,7 +90,10 @@ FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
 
 
 def _column_figure(sheet: Sheet, name: str) -> Figure:
-    """The figure of this name; raises LinkproofError for an unknown one or one that the linkage lacks."""
+    """The figure of this name, as wide as a paper's column.
+
+    Raises UnknownNameError for an unknown one, LinkproofError for one that the linkage lacks.
+    """
     if name not in FIGURES:
         raise UnknownNameError("figure", name, FIGURES)
     if name in SCHEMES and sheet.positions is not None:
@@ -118,7 +122,10 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
 
 
 def _signals_together(sheet: Sheet, name: str) -> tuple[dict[str, str], str]:
-    """The signals drawn on one pair of axes, with their words, and the axes' label; {} for those lacking."""
+    """The signals drawn on one pair of axes for "forces" or "transmission", by name with their words, and its label.
+
+    {} for those lacking. There are ten forces at most, the largest first.
+    """
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
         return signals, f"|F|, {sheet.file_unit_of('N').on_page}"

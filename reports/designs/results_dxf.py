@@ -28,9 +28,10 @@ PIN: Final = 0.012  # of the linkage's size: radius of a joint
 
 
 def dxf(linkage: Linkage, positions: Positions, angle: float | None = None) -> str:
-    """The text of a DXF file: at this crank angle, rad or m, or at the sketch's.
+    """The text of a DXF file: the scheme at this crank angle, rad or m, or at the sketch's for None.
 
-    Guides are as long as ``positions`` need them, joints circles and points, links lines.
+    Guides are as long as ``positions`` need them, joints circles and points, links lines. Raises AssemblyError for an
+    angle that the crank cannot reach.
     """
     place = linkage.sketch_angle if angle is None else angle
     scheme = KinematicScheme(linkage, positions_at(Mechanism(linkage), np.array([place]), closed=False), place)
@@ -60,7 +61,7 @@ def dxf(linkage: Linkage, positions: Positions, angle: float | None = None) -> s
 
 
 def _layers(parts: list[str]) -> dict[str, str]:
-    """The DXF layer of each part: a name that DXF allows, unique without regard to capitals."""
+    """The DXF layer of each part, by the part: a name that DXF allows, unique without regard to capitals."""
     layers: dict[str, str] = {}
     taken = {"0", "defpoints", JOINTS, NAMES}
     for part in parts:

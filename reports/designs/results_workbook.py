@@ -17,7 +17,7 @@ Cell = str | float | None
 
 
 def workbook(sheet: Sheet) -> bytes:
-    """The bytes of an .xlsx file: numbers are numbers, empty where they have no bound, and no name is a formula."""
+    """The bytes of an .xlsx file: numbers are numbers, empty where they are not finite, and no name is a formula."""
     table = sheet.columns
     head = ("figure", "signal", "value", "unit", f"at φ [{sheet.unit('phi').name}]", "at time [s]", "at open end")
     pages = {
@@ -47,7 +47,10 @@ def _number(value: float | None) -> float | None:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Sequence[Cell]]:
-    """Yield the rows of the key figures, as in the terminal's tables, a row for each number."""
+    """Yield the rows of the key figures, as in the terminal's tables, a row for each number.
+
+    Its cells are what, signal, value, unit, φ, time, s, and "yes" at an open end; all else in the file's units.
+    """
     for figure in (row for rows in sheet.figures.values() for row in rows):
         what = f"{figure.what} on {figure.on}" if figure.on else figure.what
         phi = None if figure.phi is None else sheet.angle(figure.phi)

@@ -23,7 +23,7 @@ SHELVES: Final = {
 
 @dataclass(frozen=True, repr=False)
 class Listing(Study):
-    """What is listed: ``parts`` in print and ``closing`` lines, ``table`` as JSON."""
+    """What is listed: ``parts`` in print and ``closing`` lines, ``table`` as JSON-ready data."""
 
     parts: Sequence[Printed]
     table: Mapping[str, Any]
@@ -44,7 +44,7 @@ class Listing(Study):
 
 
 def listed_mechanisms() -> Listing:
-    """The suite's linkages with their variants and sources, shelf by shelf: a table each, its heading before it."""
+    """The suite's linkages with their variants and sources as a Listing, a table for each shelf under its heading."""
     parts: list[Printed] = []
     records = []
     for shelf, (folder, heading) in SHELVES.items():
@@ -57,7 +57,7 @@ def listed_mechanisms() -> Listing:
 
 
 def _entry(path: Path, shelf: str) -> dict[str, Any]:
-    """Name, shelf, title, source and variants of a linkage file, JSON-ready."""
+    """Name, ``shelf``, title, source and variants, its own first, of a linkage file, JSON-ready."""
     table = tomllib.loads(path.read_text(encoding="utf-8"))
     variants = [table.get("variant", "base"), *sorted(table.get("variants", {}))]
     facts = {"title": table["title"], "source": table["source"], "variants": variants}

@@ -32,7 +32,7 @@ SLASH: Final = "∕"  # in a netCDF file instead of "/", which parts its groups
 
 @dataclass(frozen=True, repr=False)
 class DesignSweep(Study):
-    """The figures of many designs, in the units of the file."""
+    """The figures of many designs, in the units of the file; ``command`` repeats the sweep, "" if none can."""
 
     suffixes: ClassVar = (".csv", ".json", ".nc", *PICTURES)
     study: SweepStudy
@@ -49,7 +49,7 @@ class DesignSweep(Study):
         return [*self.study.request.warnings, *warnings(self.study.request.case.linkage)]
 
     def check_content(self) -> None:
-        """Raise LinkproofError if no design assembles."""
+        """Raise LinkproofError if no design assembles, with the reason for the first."""
         request = self.study.request
         if not np.any(self.study.assembles):
             raise LinkproofError(
@@ -90,7 +90,7 @@ class DesignSweep(Study):
         return f"{count} designs, of which {grouped(assembled)} ({share:g} %) assemble at every angle: {where}"
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The summary, JSON-ready; None for a number that is not finite."""
+        """The summary, without single designs, JSON-ready, in the file's units; None for what is not finite."""
         request, space = self.study.request, self.study.request.space
         open_ends, names = request.at_open_end, [parameter.name for parameter in space.parameters]
         ends = zip(space.parameters, space.ends.tolist(), self.study.reach.tolist(), strict=True)
@@ -129,7 +129,10 @@ class DesignSweep(Study):
         return sweep_figure(study.dataset, _own(study), {design for design in ends if design is not None})
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix: CSV, as a function that writes it, netCDF, a picture or JSON."""
+        """The content of a file with this suffix: CSV, a function that writes it to a path, netCDF, picture or JSON.
+
+        In the names of netCDF's variables ∕ replaces "/".
+        """
         if suffix == ".csv":
             return partial(_write_csv, self.study)
         if suffix != ".nc":
@@ -150,14 +153,14 @@ class LazySweep:
 
 
 def _own(study: SweepStudy) -> dict[str, float]:
-    """The parameters of the file's own design, in its units."""
+    """The parameters of the file's own design by name, in its units."""
     return {number.name: number.value / number.unit.size for number in study.request.space.parameters}
 
 
 def _ends(study: SweepStudy, figure: int) -> Iterator[tuple[str, float, list[float]]]:
-    """Yield a figure's least value, the file's own and the largest, each with its name and its design's parameters.
+    """Yield a figure's least value, the file's own and the largest, each as its name, value and design's parameters.
 
-    ``figure`` is its number; values are in the file's units.
+    ``figure`` is its index; values are in the file's units, nan and [] where no design has one.
     """
     yield LEAST, *_extreme(study, figure, -1.0)
     yield "file's own", float(study.own[figure]), [*_own(study).values()]
@@ -167,7 +170,7 @@ def _ends(study: SweepStudy, figure: int) -> Iterator[tuple[str, float, list[flo
 def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[float]]:
     """Value and parameters of the design with the largest (``way`` 1) or least (-1) figure; nan and [] without one.
 
-    ``figure`` is its number; both are in the file's units.
+    ``figure`` is its index; both are in the file's units.
     """
     design = study.extreme(figure, way)
     if design is None:
@@ -178,7 +181,8 @@ def _extreme(study: SweepStudy, figure: int, way: float) -> tuple[float, list[fl
 def _write_csv(study: SweepStudy, path: Path) -> None:
     """Write the study to a file as CSV: a line per design, a column per parameter and figure, headed by name and unit.
 
-    By hand, for ``to_csv`` of pandas takes three times as long, which is longer than the sweep itself.
+    Values are in the file's units, nan where a design does not assemble. Raises OSError where it cannot be written. By
+    hand, for ``to_csv`` of pandas takes three times as long, which is longer than the sweep itself.
     """
     space = study.request.space
     head = [parameter.shown for parameter in space.parameters] + [figure.shown for figure in study.request.figures]

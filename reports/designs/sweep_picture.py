@@ -68,7 +68,7 @@ class DrawnDesigns:
         return int(np.count_nonzero(np.isnan(self.values(name))))
 
     def best(self, name: str) -> int | None:
-        """The place, in the flattened designs, of the one whose figure is nearest to its target.
+        """The index, in the flattened designs, of the one whose figure is nearest to its target.
 
         None where all fail.
         """
@@ -93,11 +93,11 @@ class DrawnDesigns:
         return float(ends[0]), float(ends[1])
 
     def unit(self, name: str) -> str:
-        """The unit of a parameter or figure, of the file."""
+        """The unit of a parameter or figure, of the file, as text; "" without one."""
         return printable(str(self.dataset[name].attrs.get("units", "")))
 
     def label(self, name: str) -> str:
-        """A name with its unit; where the picture cuts values off, with the range of all values."""
+        """A name with its unit; where the picture cuts values off, with the range of all values between them."""
         ends = ""
         if name in self.figures and self.span(name):
             values = self.values(name)
@@ -105,7 +105,10 @@ class DrawnDesigns:
         return axis_label(f"{printable(name)}{ends}", self.unit(name))
 
     def target(self, figure: str) -> tuple[float, str]:
-        """The best value of a figure, in the file's unit, and words on the design nearest to it."""
+        """The best value of a figure, 90° for transmission angles and else 0, and words on the design nearest to it.
+
+        It is in the file's unit.
+        """
         if figure.startswith("transmission_angle:") and not figure.endswith(".range"):
             return 0.5 * math.pi if self.unit(figure) == "rad" else 90.0, "nearest to 90°"
         return 0.0, "nearest to 0" if figure.endswith(SIGNED) or "@" in figure else "least"
@@ -119,7 +122,7 @@ class DrawnDesigns:
 
     @property
     def head(self) -> tuple[str, ...]:
-        """The lines above the picture: linkage, conditions, and what is left out."""
+        """The lines above the picture: linkage and number of designs, conditions, and what is cut off or left out."""
         about, left = self.dataset.attrs, len(self.dataset.data_vars) - len(self.figures)
         conditions = about["conditions"].removeprefix(f"{about['mechanism']} ({about['variant']}): ")
         drawn, failing = self.dataset[self.figures[0]].size, max(map(self.failing, self.figures))
@@ -135,8 +138,8 @@ class DrawnDesigns:
 def drawn_designs(dataset: xarray.Dataset, own: Mapping[str, float], always: Collection[int]) -> DrawnDesigns:
     """The designs of a sweep to draw: a grid of one or two numbers thinned out evenly, of others a random sample.
 
-    ``always`` are numbers of designs that are among them, in the order of the dimensions. ``own`` is kept. The sample
-    is the same every time; fewer designs are all drawn.
+    ``always`` are indices of designs that are among them, in the flattened order of the dimensions. ``own`` is kept.
+    The sample is the same every time; fewer designs are all drawn.
     """
     shape = tuple(dataset.sizes.values())
     count, always_drawn = math.prod(shape), np.array(sorted(always), dtype=int)
@@ -173,7 +176,7 @@ def sweep_figure(dataset: xarray.Dataset, own: Mapping[str, float], always: Coll
 
     A dataset has a dimension per parameter, or the dimension ``design`` with the parameters as coordinates over it; nan
     is a design that does not assemble. ``own`` are the numbers of the file by name, in its units: the design of the
-    file is marked where it lies among the others. Of many designs a sample is drawn, in which those of the numbers
+    file is marked where it lies among the others. Of many designs a sample is drawn, in which those of the indices
     ``always`` are drawn, and the picture states it.
     """
     designs = drawn_designs(dataset, own, always)
@@ -190,9 +193,9 @@ def sweep_figure(dataset: xarray.Dataset, own: Mapping[str, float], always: Coll
 def _figure(
     designs: DrawnDesigns, shape: tuple[int, int], size: tuple[float, float], plot: Callable[[DrawnDesigns, Any], None]
 ) -> Figure:
-    """A figure of (rows, columns) of panels that ``plot`` fills, with the marks' meanings in a legend.
+    """A figure of ``shape`` (rows, columns) of panels that ``plot`` fills, with the marks' meanings in a legend.
 
-    ``size`` is its width and the height of a row, in.
+    ``size`` is its width and the height of a row, in. ``plot`` gets the designs and the array of axes.
     """
     (rows, columns), (width, tall) = shape, size
 
@@ -212,7 +215,7 @@ def _figure(
 
 
 def _plot_curves(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401 - an array of axes
-    """Draw a panel per figure over one parameter, hatched where no design assembles."""
+    """Draw a panel per figure over one parameter into the axes of ``grid``, hatched where no design assembles."""
     (parameter,) = designs.parameters
     x = designs.values(parameter)
     edges = _edges(x)
@@ -229,7 +232,10 @@ def _plot_curves(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401 - an
 
 
 def _mark(axes: Axes, designs: DrawnDesigns, name: str, x: Array, own: float | None) -> None:
-    """Mark the design nearest to a figure's target, and the file's ``own`` place if it has one, in axes over ``x``."""
+    """Mark the design nearest to the target of the figure ``name``, and the file's ``own`` place unless None.
+
+    ``x`` are the designs' places along the axes.
+    """
     best = designs.best(name)
     if best is not None:
         axes.plot(x[best], designs.values(name)[best], label=designs.target(name)[1], **STAR)
@@ -238,7 +244,10 @@ def _mark(axes: Axes, designs: DrawnDesigns, name: str, x: Array, own: float | N
 
 
 def _plot_maps(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
-    """Draw a map per figure over two parameters with contour lines, hatched where no design assembles."""
+    """Draw a map per figure over two parameters into the axes of ``grid``, with contour lines.
+
+    It is hatched where no design assembles.
+    """
     across, upward = map(designs.values, designs.parameters)
     edges = _edges(across), _edges(upward)
     for axes, name in zip(grid.flat, designs.figures, strict=False):
@@ -262,7 +271,10 @@ def _plot_maps(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 
 
 def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
-    """Draw figures down, parameters across, a dot per design; strokes at the foot are designs not assembled."""
+    """Draw figures down, parameters across, a dot per design, into the axes of ``grid``.
+
+    Strokes at the foot are designs not assembled.
+    """
     for row, (line, name) in enumerate(zip(grid, designs.figures, strict=True)):
         values = designs.values(name)
         fails = np.isnan(values)
@@ -283,7 +295,10 @@ def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 
 
 def _edges(places: Array) -> Array:
-    """The borders of cells around places (n,), ascending, half-way between neighbours: (n + 1,)."""
+    """The borders of cells around places (n,), ascending, half-way between neighbours: (n + 1,).
+
+    Those at the ends are as far out as the next ones are in.
+    """
     if len(places) == 1:
         return places + 0.5 * (abs(places[0]) or 1.0) * np.array([-1.0, 1.0])
     first, last = 1.5 * places[[0, -1]] - 0.5 * places[[1, -2]]

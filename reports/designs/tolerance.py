@@ -119,18 +119,18 @@ class Tolerance(Study):
         return f"{count} random designs, seed {SEED}: {outcome}"
 
     def _table(self, result: int) -> Table:
-        """The table of one result, by its number, a row for each tolerance, the largest contribution first."""
+        """The table of one result, by its index, a row for each tolerance, the largest contribution first."""
         named, rows = self.study.figures[result], self._rows_of(result)
         order = np.argsort(-self.study.contributions[result], kind="stable")
         cells = [_cells(rows[number]) for number in order]
         return Table(f"{named.shown}: {figure(rows[0]['nominal'], 6)}", HEAD, cells, "lrlrlrr")
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """A row for each result and each toleranced number, JSON-ready."""
+        """A row for each result and each toleranced number, in the file's units, JSON-ready."""
         return [row for result in range(len(self.study.figures)) for row in self._rows_of(result)]
 
     def _rows_of(self, result: int) -> list[dict[str, Any]]:
-        """The rows of one result, by its number, in the file's units, JSON-ready."""
+        """The rows of one result, by its index, a row per toleranced number, in the file's units, JSON-ready."""
         study, named = self.study, self.study.figures[result]
         rows = []
         for column, number in enumerate(study.tolerances):
@@ -159,7 +159,7 @@ class Tolerance(Study):
         return {**self._about, "results": results, "warnings": self._open_ends}
 
     def _document(self, result: int) -> dict[str, Any]:
-        """The data of one result, by its number, in the file's units, JSON-ready."""
+        """The data of one result, by its index, in the file's units, JSON-ready."""
         study, named = self.study, self.study.figures[result]
         size = named.unit.size
         return {
@@ -182,11 +182,11 @@ class Tolerance(Study):
         }
 
     def plot(self) -> Figure:
-        """A figure of the change of each result by each tolerance."""
+        """A figure of the change of each result by each tolerance, 25 at most in a panel."""
         return tornado_figure(self.study)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix; of CSV a line per row of ``rows``."""
+        """The content of a file with this suffix: picture, JSON, or CSV text with a line per row of ``rows``."""
         if suffix != ".csv":
             return super().content(suffix, **form)
         rows, text = self.rows(), io.StringIO()
@@ -213,7 +213,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
 def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
     """Yield sentences on the worst case and the random designs of a result, each beside the linear estimate.
 
-    ``row`` is the result's number.
+    ``row`` is the result's index.
     """
     unit = study.figures[row].unit
     end = f" {unit.name}".rstrip()
@@ -266,9 +266,9 @@ def tornado_figure(study: ToleranceStudy) -> Figure:
 
 
 def _plot_tornado(axes: Axes, study: ToleranceStudy, result: int) -> None:
-    """Draw the changes of one result, by its number, at both limits of each parameter, the largest change on top.
+    """Draw the changes of one result, by its index, at both limits of each parameter, the largest change on top.
 
-    Of many parameters only the first are drawn.
+    Of more than 25 parameters only the first are drawn.
     """
     from reports.charts import draw  # noqa: PLC0415
 

@@ -53,7 +53,10 @@ def thread_section(sheet: Sheet, thread: ThreadSheet, positions: Positions) -> S
 
 
 def _plot_feed(sheet: Sheet, figure: Figure) -> None:
-    """Draw the thread's feed over the motion, and the required one if the file has it and φ is the axis."""
+    """Draw the thread's feed over the motion into a figure.
+
+    The required feed is drawn too, as dots, if the file has it and φ is the axis.
+    """
     unit, axes = sheet.file_unit_of("m"), figure.subplots()
     axes.plot(sheet.x, sheet.y("thread_feed"), color=PALETTE[1], label="feed")
     if sheet.required and sheet.axis == "phi":

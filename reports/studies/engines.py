@@ -42,7 +42,10 @@ REPORT = (
 
 
 def listed_engines(names: Sequence[str]) -> Listing:
-    """The abilities and read-outs of these engines, or of all, as a listing."""
+    """The abilities and read-outs of these engines, or of all, as a listing.
+
+    Raises UnknownNameError for another name.
+    """
     tables = [_describe_engine(adapter) for adapter in registered(names or engine_names())]
     return Listing([part for table in tables for part in _engine_parts(table)], {"records": tables})
 
@@ -88,7 +91,10 @@ def _engine_parts(table: Mapping[str, Any]) -> list[Printed]:
 
 @dataclass(frozen=True, repr=False)
 class EngineFindings(Study):
-    """The results of every check of an adapter, ``checks``; each has a ``check``, a ``finding`` and a ``detail``."""
+    """The results of every check of an adapter, ``checks``; each has a ``check``, a ``finding`` and a ``detail``.
+
+    ``version`` is the engine's, "" if it states none.
+    """
 
     engine: str
     version: str
@@ -104,11 +110,11 @@ class EngineFindings(Study):
         return printout(self.engine, self.checks)
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The checks and the engine's version, JSON-ready."""
+        """The engine's name and version and the checks, JSON-ready."""
         return {"engine": self.engine, "version": self.version, "checks": self.rows()}
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """The checks as rows, JSON-ready."""
+        """The checks as rows, a dict of ``check``, ``finding`` and ``detail`` each, JSON-ready."""
         return [asdict(each) for each in self.checks]
 
     def failures(self) -> Sequence[str]:
@@ -119,7 +125,8 @@ class EngineFindings(Study):
 def engine_findings(engine: Engine | str, processes: int | None = None) -> EngineFindings:
     """The results of every check of an adapter, given by its name or as an object, in worker ``processes``.
 
-    Raises LinkproofError if there is nothing to check, or if the adapter cannot be loaded.
+    By default there is one per core. Raises LinkproofError if there is nothing to check, or if the adapter cannot be
+    loaded, UnknownNameError for an unknown name.
     """
     if not isinstance(engine, str) and not hasattr(engine, "run"):
         raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
@@ -153,7 +160,7 @@ class SelfTest:
 def engine_trials() -> list[SelfTest]:
     """How a short run of every engine ended, the run-up of one of the catalogue's linkages, in worker processes.
 
-    Those that are not installed are there too.
+    Those that are not installed are there too; the order is that of the list of engines.
     """
     reasons = {adapter.name: why_unavailable(adapter) for adapter in registered(engine_names())}
     trial = CampaignRequest(
@@ -170,7 +177,7 @@ def engine_trials() -> list[SelfTest]:
 
 
 def _trial_of_run(run: RunRecord) -> SelfTest:
-    """An engine's short run as a SelfTest: it works if the torque has an error."""
+    """An engine's short run as a SelfTest: it works if the torque, the run's only quantity, has an error."""
     (torque,) = run.errors
     if torque.error_max is None:
         return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
@@ -179,7 +186,10 @@ def _trial_of_run(run: RunRecord) -> SelfTest:
 
 
 def machine_code_trial() -> SelfTest:
-    """Whether Numba compiles a function of one operation, as a SelfTest, which says so where it is not installed."""
+    """Whether Numba compiles a function of one operation, as a SelfTest, which says so where it is not installed.
+
+    No error of the compiler is raised: its text is the detail.
+    """
     if not machine_code.is_installed():
         return SelfTest("machine code", "", None, f"numba is not installed: {install_words('compiled')}")
     trace, begin = OperationList(), time.perf_counter()
@@ -202,7 +212,7 @@ def optional_packages() -> list[SelfTest]:
 
 
 def _package_trial(package: str, extra: str) -> SelfTest:
-    """A package's version, or the command that installs its extra, as a SelfTest."""
+    """A package's version, or, if it is not installed, the command that installs its extra, as a SelfTest."""
     try:
         return SelfTest(package, metadata.version(package), True, f"extra '{extra}'")
     except metadata.PackageNotFoundError:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def failed_rows(records: Iterable[Error]) -> list[str]:
-    """A line for each of these records, failed or not, with its outcome and reason."""
+    """A line for each of these records, failed or not, with its place, outcome and reason."""
     return [
         f"{record.mechanism} ({record.variant}), {record.regime}, {record.engine} {record.setting}, {record.quantity}: "
         f"{record.outcome}, {record.detail}"
@@ -34,7 +34,10 @@ def failed_rows(records: Iterable[Error]) -> list[str]:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Judgement(Study, ImportedJudgement):
-    """The ``verdicts`` of every signal, and their probable causes; ``paths`` are the judged files."""
+    """The ``verdicts`` of every signal, and their probable causes; ``paths`` are the judged files.
+
+    ``command`` is the one that repeats it.
+    """
 
     suffixes: ClassVar = (".json", *PICTURES)
     paths: tuple[Path, ...]
@@ -47,7 +50,7 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def _title(self) -> str:
-        """The linkage and the files that it is held against."""
+        """The linkage with its variant, and the files that it is held against, as text."""
         linkage = self.model.linkage
         return f"{linkage.name} ({linkage.variant}) against {self._files}"
 
@@ -68,7 +71,7 @@ class Judgement(Study, ImportedJudgement):
         return imported.printout(self, self._title)
 
     def brief(self) -> Sequence[Printed]:
-        """The verdict in a sentence, for a quiet run."""
+        """The verdict in a sentence, for a quiet run, as the only member."""
         return [imported.sentence(self)]
 
     @property
@@ -77,7 +80,7 @@ class Judgement(Study, ImportedJudgement):
         return imported.run_of_judgement(self, self._files)
 
     def to_dict(self) -> Mapping[str, Any]:
-        """Verdicts, causes and errors, JSON-ready."""
+        """Verdicts, causes and errors, JSON-ready, SI, angles in rad."""
         return imported.document(self, self._run, self.command, imported.sentence(self))
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
@@ -90,11 +93,14 @@ class Judgement(Study, ImportedJudgement):
         return [rendered(self.sentence()).strip(), *rows]
 
     def plot(self) -> Figure:
-        """A figure of the worst curves and their differences."""
+        """A figure of the three worst curves and their differences from the closed form."""
         return imported.judged_figure(self, self._title)
 
     def write(self, folder: str | Path) -> Path:
-        """Write the judgement into a folder like a campaign, with its pages; returns the page to open."""
+        """Write the judgement into a folder like a campaign, replacing one there, with its pages.
+
+        Returns the path of the page to open. Raises LinkproofError where a file cannot be written.
+        """
         from reports.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 
         linkage, motion = self.model.linkage, self.model.motion

@@ -45,7 +45,10 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True, repr=False)
 class Trials(Study):
-    """The ``results`` of runs of engines, which a ``folder`` keeps; by default a page is written on all cores."""
+    """The ``results`` of runs of engines; ``folder`` keeps them already if it is not None.
+
+    ``processes`` write the pages, one per core for None; ``remark`` is for stderr, ``written`` are files made beside.
+    """
 
     module: ClassVar[ModuleType]  # of comparisons, with ``load`` and ``save``
     results: Any
@@ -63,13 +66,16 @@ class Trials(Study):
         return cls(cls.module.load(Path(folder)), Path(folder))
 
     def store(self, folder: Path) -> None:
-        """Write the study into a folder, replacing one of its kind."""
+        """Write the study into a folder, replacing one of its kind.
+
+        Raises LinkproofError where it cannot be written.
+        """
         self.module.save(folder, self.results)
 
     def write(self, folder: str | Path) -> Path:
-        """Write runs, unless the folder keeps them already, and pages; returns the first page's path.
+        """Write runs, unless ``folder`` keeps them already, and pages; returns the first page's path.
 
-        Raises LinkproofError where the pages cannot be written.
+        Raises LinkproofError where they cannot be written.
         """
         from reports.site import write_site  # noqa: PLC0415 - figures cost seconds that a table does not pay
 
@@ -94,13 +100,16 @@ class Comparison(Trials):
     results: CampaignResults
 
     def store(self, folder: Path) -> None:
-        """Write the comparison into a folder, replacing another one there."""
+        """Write the comparison into a folder, replacing another one there.
+
+        Raises LinkproofError where it cannot be written.
+        """
         campaign.save(folder, self.results.document, self.results.runs)
 
     def with_files(self, record: str | Path | None, junit: str | Path | None) -> Comparison:
         """A copy of the comparison that names these files, after writing its rows and its verdicts for JUnit to them.
 
-        None writes none.
+        None writes none. Raises LinkproofError for a file that cannot be written.
         """
         if record is not None:
             write_rows(self.results.rows, Path(record))
@@ -152,7 +161,10 @@ class Comparison(Trials):
         return with_runs(self.results.document, self.results.runs)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """A file's content: for .csv a function that writes every curve to a path, else the JSON of every record."""
+        """A file's content: for .csv a function that writes every curve to a path, else the JSON of every record.
+
+        ``form`` is taken by no file of a comparison.
+        """
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
@@ -168,7 +180,7 @@ class Comparison(Trials):
         return campaign_exit_code(self.records, self.changes)
 
     def failures(self) -> Sequence[str]:
-        """A count, then a line for every deciding error over its limit, failed run and failing change."""
+        """A count, then a line for every deciding error over its limit, failed run, fault of ours and failed change."""
         ours = [record for record in self.records if record.outcome == Verdict.SUITE_ERROR]
         failed = [record for record in deciding(self.records) if Verdict(record.outcome).failed]
         rows = failed_rows([*failed, *ours])
@@ -209,7 +221,7 @@ class Script(Comparison):
 
 
 def check_files(record: str | Path | None, junit: str | Path | None) -> None:
-    """Raise LinkproofError, before any work, for a file of rows or for JUnit that could not be written.
+    """Raise LinkproofError, before any work, for a file of rows, .csv, or for JUnit that could not be written.
 
     None is none.
     """
@@ -220,9 +232,10 @@ def check_files(record: str | Path | None, junit: str | Path | None) -> None:
 
 
 def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
-    """The value of a name, or the first one for None.
+    """The value of a name among the ``known``, or the first one for None.
 
-    Raises UnknownNameError, StopIteration where nothing is ``known``. ``what`` says what it names.
+    Raises UnknownNameError for another name, StopIteration for None where nothing is ``known``. ``what`` says in the
+    message what it names.
     """
     if name is not None and name not in known:
         raise UnknownNameError(what, name, known)
@@ -253,7 +266,7 @@ class Benchmark(Trials):
         return self.results.as_dict
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame with a row for every point and quantity."""
+        """A DataFrame with a row for every point and quantity; the study's own, no copy."""
         return self.results.table
 
     @property
@@ -273,7 +286,10 @@ class Benchmark(Trials):
 
 @dataclass(frozen=True, repr=False)
 class StabilityMaps(Trials):
-    """Which conditions each engine stands, and whether the checks detect where it fails; or cells alone."""
+    """Which conditions each engine stands, and whether the checks detect where it fails; or cells alone.
+
+    With ``are_cells`` it is of single cells, printed in full.
+    """
 
     module: ClassVar[ModuleType] = stress_test
     results: Stress
@@ -291,7 +307,7 @@ class StabilityMaps(Trials):
         return f"{len(self.results.cells)} cells: {', '.join(f'{count} {verdict}' for verdict, count in counts)}"
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The document and all cells, JSON-ready."""
+        """The document and all cells, JSON-ready; of single cells these alone, under "cells"."""
         return {"cells": self.rows()} if self.are_cells else self.results.as_dict
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
@@ -313,8 +329,8 @@ class StabilityMaps(Trials):
 def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ()) -> int:
     """The exit code for judged records and changes; naive records count only without other settings.
 
-    Of ``changes`` since results were recorded those that fail count. It is 3 for a fault of linkproof, 1 for a failure.
-    Raises LinkproofError if no record is judged.
+    Of ``changes`` since results were recorded those that fail count. It is 3 for a fault of linkproof, 1 for a failure,
+    else 0. Raises LinkproofError if no deciding record is judged.
     """
     every = list(records)
     decisive = {Verdict(record.outcome) for record in deciding(every)}
@@ -325,9 +341,10 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
 
 
 def _exit_code(is_ours: bool, has_failed: bool, is_judged: bool, counts: Counter[tuple[str, str]]) -> int:
-    """The exit code: for a fault of ours, linkproof's, 3, else for a failure 1, else 0; raises LinkproofError.
+    """The exit code: 3 if a fault ``is_ours``, linkproof's, else 1 if something ``has_failed``, else 0.
 
-    It does so if nothing is judged. ``counts`` are those of outcomes that are not judged, each with its reason.
+    Raises LinkproofError if nothing ``is_judged``. ``counts`` are those of outcomes that are not judged, by outcome and
+    reason.
     """
     if is_ours or has_failed:
         return SUITE_ERROR if is_ours else FAILED
