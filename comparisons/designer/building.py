@@ -42,7 +42,8 @@ LAST_TURN_SAMPLES: Final = 361
 def positions_over_range(mechanism: Mechanism) -> Positions:
     """The positions of all bodies over a turn from φ = 0, or over the crank's range, short of its limits.
 
-    At a limit where guides are parallel its bodies are infinitely far away.
+    At a limit where guides are parallel its bodies are infinitely far away. Raises AssemblyError where the linkage
+    cannot be assembled.
     """
     reach = mechanism.crank_range()
     low, high = (0.0, FULL_TURN) if reach.is_full_turn else inset_ends(reach)
@@ -69,7 +70,10 @@ def positions_over_motion(curves: Curves) -> Positions:
 
 
 def positions_at(mechanism: Mechanism, angle: Array, *, closed: bool) -> Positions:
-    """The positions of all bodies over φ (n,), rad or m; ``closed`` if that is a whole turn."""
+    """The positions of all bodies over φ (n,), rad or m; ``closed`` if that is a whole turn.
+
+    Raises AssemblyError where the linkage cannot be assembled at one of them.
+    """
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
@@ -88,8 +92,9 @@ MOST_NUMBERS: Final = 40_000  # of all its signals
 def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
     """The case of a linkage's page: a turn at the speed at which the first motion ends, else at 1000 rpm.
 
-    A crank that makes no turn follows the first motion, or swings over its range. Motions of the linkage's own count by
-    the names of their ``regimes``, after those ``prescribed``; for a crank without a turn, the rest of them last.
+    A motion that ends at rest gives its peak speed. A crank that makes no turn follows the first motion, or swings over
+    its range. Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``; for a
+    crank without a turn, the rest of them last. Raises AssemblyError where the linkage cannot be assembled.
     """
     reach = mechanism.crank_range()
     of_file = {
@@ -104,9 +109,9 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 
 
 def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bool = False) -> CrankMotion:
-    """A swing over a range, short of its limits, at ``speed``, rad/s; a linear drive takes about one second.
+    """A swing over a range, short of its limits, at the largest ``speed``, rad/s; from its upper end if ``backwards``.
 
-    ``backwards`` it begins at the upper end.
+    A linear drive takes about one second, whatever the speed.
     """
     first, last = inset_ends(reach, backwards=backwards)
     fastest = abs(last - first) if reach.phi.is_linear else speed
@@ -114,7 +119,10 @@ def range_motion(reach: CrankRange, speed: float = USUAL_SPEED, *, backwards: bo
 
 
 def conditions(case: Case) -> str:
-    """The conditions of a case as a sheet states them: mechanism, motion and gravity in words."""
+    """The conditions of a case as a sheet states them: mechanism, variant, motion and gravity in words.
+
+    A case with words of its own has these in place of motion and gravity.
+    """
     linkage, motion = case.mechanism.linkage, case.motion
     name = f"{linkage.name} ({linkage.variant})"
     if case.conditions:
@@ -144,9 +152,9 @@ def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) 
 
 
 def _build_sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
-    """The sheet of these curves, without facts: peaks of the signals ``names``, tables at the ``chosen`` instants, s.
+    """The sheet of these curves, without facts: peaks of the signals ``names``, SI; what is only rounding is 0.
 
-    By default there are no tables of chosen instants.
+    Tables are at the ``chosen`` instants (n,), s; by default there are none of chosen instants.
     """
     peaks = curves.peaks(names)
     figures = figure_tables(curves, peaks)
@@ -185,7 +193,7 @@ def _signals_besides_bodies(curves: Curves) -> list[str]:
 def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
     """Yield sentences on signs, zeros, gravity and Newton's method, and on what no row can show.
 
-    That is what the file lacks and, if ``is_unbounded``, joint forces at a change point.
+    That is what the file lacks, a thread feed without zero, and, if ``is_unbounded``, joint forces at a change point.
     """
     linkage, mechanism = curves.linkage, curves.case.mechanism
     if "Mkr" in curves.names:
@@ -221,7 +229,7 @@ def _direction(linkage: Linkage, x: float, y: float) -> str:
 def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Sheet:
     """The sheet of a page of a linkage under its usual motion, with those of these regimes that it has.
 
-    A linkage that cannot be computed has a bare sheet.
+    ``prescribed`` and ``regimes`` are as for ``usual_case``. A linkage that cannot be computed has a bare sheet.
     """
     try:
         return page_sheet(usual_case(Mechanism(linkage), prescribed, regimes), regimes)
@@ -230,7 +238,7 @@ def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regime
 
 
 def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
-    """The sheet of a linkage that cannot be computed: only its description and the reason."""
+    """The sheet of a linkage that cannot be computed: only its description and the reason, in ``missing["values"]``."""
     return Sheet(linkage, file_facts(linkage), missing={"values": reason})
 
 
@@ -271,7 +279,10 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 
 
 def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
-    """Signals ``names`` over the axis, at few instants that show them and their ``peaks``, s; φ as the axis ascends."""
+    """Signals ``names``, SI, by name, at few instants that show them and their ``peaks``, at these instants, s.
+
+    Where φ is the axis it ascends.
+    """
     truth = curves.truth_at(distinct(np.append(curves.grid, peaks)))
     groups = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(groups))
@@ -283,7 +294,10 @@ def _thin_signals(curves: Curves, names: Sequence[str], peaks: Sequence[float]) 
 
 
 def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
-    """The printed figures beside ours, of every variant of the file, as rows; () without any."""
+    """The printed figures beside ours, of every variant of the file, as mappings of a PublishedRecord's fields.
+
+    () without any. Raises LinkproofError where a variant cannot make the motion of one.
+    """
     if not linkage.published:
         return ()
     readings = [parse(linkage.text, linkage.name, linkage.name, variant) for variant in linkage.variants]
@@ -291,7 +305,10 @@ def _published_records(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
 
 
 def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, Array]]:
-    """Shares of Jeq at φ (n,), kg m², in two mappings, "groups" and "links"; {} where nothing has mass."""
+    """Shares of Jeq at φ (n,), rad or m, by name, in two mappings, "groups" and "links"; {} where nothing has mass.
+
+    They are in kg m², of a linear drive in kg.
+    """
     linkage, sweep = mechanism.linkage, mechanism.sweep(angle)
     if linkage.is_massless:
         return {}
@@ -301,7 +318,10 @@ def _inertia_shares(mechanism: Mechanism, angle: Array) -> dict[str, dict[str, A
 
 
 def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
-    """The thread's contour and the paths of its eyes over a turn or the range; None without a thread."""
+    """The thread's contour and the paths of its eyes over a turn or the range; None without a thread.
+
+    Raises LinkproofError where the thread has no reference angle, or the linkage cannot be assembled.
+    """
     path = mechanism.linkage.thread
     if path is None:
         return None
@@ -317,7 +337,10 @@ def _thread_sheet(mechanism: Mechanism) -> ThreadSheet | None:
 
 
 def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallback: T) -> T:
-    """The part of a sheet that ``make`` returns; for a LinkproofError ``fallback``, and ``missing`` gets the reason."""
+    """The part of a sheet that ``make`` returns; after a LinkproofError ``fallback``.
+
+    The error's message is then put into ``missing`` under ``name``.
+    """
     try:
         return make()
     except LinkproofError as error:
@@ -357,19 +380,22 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
 
 
 def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
-    """The speeds, rad/s, and the fluctuation of a rotation by name; None without a rotation."""
+    """The speeds, rad/s, and the fluctuation of a rotation, by the names of its attributes; None without a rotation."""
     names = ("mean_speed", "mean_speed_over_angle", "fluctuation", "smallest", "largest")
     return None if rotation is None else {name: getattr(rotation, name) for name in names}
 
 
 def _dense_times(motion: FreeMotion) -> Array:
-    """Instants, s, of a motion, evenly so close that every turn is resolved, within bounds."""
+    """Instants (n,), s, of a motion, evenly so close that every turn is resolved, within bounds of their number."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST_INSTANTS, MOST_INSTANTS)))
 
 
 def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
-    """Angle, speed and acceleration over the last whole turn, SI, by name, φ ascending; {} without one."""
+    """Angle, speed and acceleration over the last whole turn, SI, φ ascending from 0 to 2π; {} without an ``ending``.
+
+    They are (n,) under "phi", "omega" and "epsilon".
+    """
     if ending is None:
         return {}
     start = motion.duration - FULL_TURN / abs(ending.mean_speed)

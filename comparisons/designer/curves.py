@@ -63,7 +63,7 @@ class Instants:
 
     @cached_property
     def is_steady(self) -> bool:
-        """Whether the crank turns at one speed all the time, or stands still, so that φ is the axis."""
+        """Whether φ is the axis: the crank turns at one speed all the time, or the motion is a Standstill."""
         if isinstance(self.motion, Standstill):
             return True
         time = np.linspace(0.0, self.motion.duration, FEWEST)
@@ -97,7 +97,10 @@ class Instants:
         return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
 
     def _intervals(self, edges: list[float]) -> list[int]:
-        """The number of intervals of each piece between ``edges``, s, by the crank's way in it, within bounds."""
+        """The number of intervals of each piece between ``edges``, s, by the crank's way in it.
+
+        There are 2 or more in each, and in all about FEWEST to MOST.
+        """
         looks = max(MOTION_SAMPLES // len(edges), FEWEST_PIECE_SAMPLES)
         angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
         step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
@@ -123,7 +126,8 @@ class Instants:
     def times_of_angles(self, angles: Array, unit: str, size: float) -> Array:
         """The instants, s, (n,), at which the crank first passes these angles, given in a ``unit`` of a ``size``, SI.
 
-        Raises LinkproofError for an angle that it does not pass. Of a turning crank whole turns do not count.
+        ``unit`` is for messages alone, as it follows a number: "°". Raises LinkproofError for an angle that it does not
+        pass. Of a turning crank whole turns do not count.
         """
         return np.array([self._first_passing(float(angle), unit, size) for angle in angles])
 
@@ -169,7 +173,7 @@ class Instants:
 def refine_near_toggles(case: Case, grid: Array) -> Array:
     """The grid of instants, s, with more of them where a transmission angle changes fast, as near toggles.
 
-    There are no more than a given number of them.
+    At most MOST_ADDED are added. Raises AssemblyError where the linkage cannot be assembled at one.
     """
     time, sines = grid, _transmission_sines(case, grid)
     for _ in range(HALVINGS):
@@ -206,7 +210,8 @@ ROUNDS: Final = 6
 def choose_samples(axis: Array, curves: Array, few: int, most: int) -> Integers:
     """Indices of the samples of curves (k, n) over ``axis`` (n,), ascending, that are enough to draw them.
 
-    ``few`` are evenly spaced; of the others, up to ``most`` in all, those that the lines miss by most.
+    ``few`` are evenly spaced, both ends among them; of the others, up to ``most`` in all, those that straight lines
+    between the chosen ones miss by most. Infinite values and nan count as 0.
     """
     even = np.linspace(axis[0], axis[-1], min(few, len(axis)))
     places = distinct(np.append(np.abs(np.searchsorted(0.5 * (axis[1:] + axis[:-1]), even)), len(axis) - 1))
@@ -247,7 +252,8 @@ class SignalFigure:
 class Curves:
     """The signals of a case by name: those of ``analytic.signals``, the time, and magnitudes of forces.
 
-    A magnitude is ``joint_force:A:magnitude``, or ``shaking_force:magnitude``.
+    A magnitude is ``joint_force:A:magnitude``, or ``shaking_force:magnitude``. A measure is a function of a Truth at n
+    instants that returns (n,).
     """
 
     case: Case
@@ -304,14 +310,14 @@ class Curves:
         return Truth(self.case.mechanism, self.case.motion, time)
 
     def values(self, names: Iterable[str], time: float) -> tuple[float, ...]:
-        """Values, SI, of the signals ``names`` at one instant, s, in their order."""
+        """Values, SI, of the signals ``names`` at one instant, s, in their order; raises UnknownNameError."""
         truth = self.truth_at(np.array([time]))
         return tuple(float(self.signal_values(truth, name)[0]) for name in names)
 
     def signal_values(self, truth: Truth, name: str) -> Array:
         """A signal (n,), SI, of the closed form at n instants, cached on the grid.
 
-        A link's angle is on its branch of the motion.
+        A link's angle is on its branch of the motion. Raises UnknownNameError for a signal that the linkage lacks.
         """
         if name == TIME:
             return truth.time
@@ -339,7 +345,8 @@ class Curves:
     def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> SignalFigure:
         """The key figure ``what`` of a signal, or of a force's direction, with its value, SI, and instant, s, if any.
 
-        ``on`` is the link on which a force acts.
+        ``on`` is the link on which a force acts. A value that is not finite becomes None. It is marked if it lies at an
+        open end, but for signals of the drive and directions.
         """
         phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
         unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
@@ -355,7 +362,10 @@ class Curves:
         return {n: self.figure("peak", n, value, places[n]) for n, value in zip(places, values, strict=True)}
 
     def _severity(self, name: str) -> Measure:
-        """The measure that is highest at a signal's peak: its magnitude, or the negative transmission angle."""
+        """The measure that is highest at a signal's peak: its magnitude, or the negative transmission angle.
+
+        It maps the closed form at n instants to (n,).
+        """
         if name.startswith(TRANSMISSION):
             return lambda at: -self.signal_values(at, name)
         return lambda at: np.abs(self.signal_values(at, name))
@@ -378,11 +388,11 @@ class Curves:
         return numbers
 
     def means(self, *measures: Measure) -> list[float]:
-        """Means over time of these measures of the closed form, in their order."""
+        """Means over time, over the whole motion, of these measures of the closed form, in their order."""
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:
-            """The measures at instants, s, stacked before their shape, in the form that ``averages`` calls."""
+            """The measures at instants, s, of any shape, stacked before it, in the form that ``averages`` calls."""
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 

@@ -62,7 +62,10 @@ TOGGLE_SHARE: Final = 0.5  # of the way from a toggle, where that is less
 
 
 def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure, ...]]:
-    """The key figures of curves by table, drive, forces, output and so on, from the ``peaks`` of all their signals."""
+    """The key figures of curves, those of each table by its name in ``TABLES``; () where there are none.
+
+    ``peaks`` are those of all signals, by name.
+    """
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
     pivot = curves.case.mechanism.structure.pivot
     moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
@@ -79,7 +82,7 @@ def figure_tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[SignalFigure,
 
 
 def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFigure]:
-    """The peaks of those ``signals`` that have one, as an iterator, each with the name that a table gives it."""
+    """The peaks of those ``signals`` that have one, as an iterator; ``signals`` has the name of the row for each."""
     return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
 
 
@@ -132,9 +135,10 @@ def flywheel_figures(curves: Curves) -> Iterator[SignalFigure]:
 
 
 def _running_speed(curves: Curves) -> float:
-    """The speed, rad/s, at which a crank goes on turning; 0 if it does not.
+    """The speed, rad/s, signed, at which a crank goes on turning; 0 for any other motion.
 
-    Of a released one it is the mean over φ of the last turn, which no flywheel changes.
+    It goes on at a constant speed, or released, if it makes more than a turn: then it is the mean over φ of the last
+    turn, which no flywheel changes. A linear drive, and a crank that cannot turn fully, do not.
     """
     motion = curves.case.motion
     if curves.linkage.is_linear or not curves.case.mechanism.crank_range().is_full_turn:
@@ -148,9 +152,10 @@ def _running_speed(curves: Curves) -> float:
 def flywheel(case: Case, speed: float, fluctuation: float) -> float:
     """Moment of inertia, kg m², to add on a crank that a constant torque drives at a mean ``speed``, rad/s.
 
-    It is exact for loads that do not depend on the speed: with w the work of the mean torque less that of the drive
-    from φ = 0 at constant speed, (J + Jeq) ω² = 2 w + Jeq ω₀² + C lies between its values at ω₀ (1 ∓ δ/2) everywhere
-    (F. Wittenbauer, Zeitschrift für Mathematik und Physik 50, 1904). 0 where none is needed.
+    ``fluctuation`` is the coefficient δ that is allowed, (ω_max − ω_min) / ω_mean. The result is exact for loads that
+    do not depend on the speed: with w the work of the mean torque less that of the drive from φ = 0 at constant speed,
+    (J + Jeq) ω² = 2 w + Jeq ω₀² + C lies between its values at ω₀ (1 ∓ δ/2) everywhere (F. Wittenbauer, Zeitschrift für
+    Mathematik und Physik 50, 1904). 0 where none is needed.
     """
     from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - what wants no flywheel does not pay for it
 
@@ -173,13 +178,19 @@ def flywheel(case: Case, speed: float, fluctuation: float) -> float:
 
 
 def _friction_at(curves: Curves, time: float) -> tuple[Array, Array]:
-    """The share of friction in the drive's torque, N m, and the speed, at an instant, (1,) each."""
+    """The share of friction in the drive's torque, N m or N, and its speed, rad/s or m/s, at an instant, s.
+
+    Each is (1,).
+    """
     truth = curves.truth_at(np.array([time]))
     return truth.friction_torque, np.atleast_1d(truth.speed)
 
 
 def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """Yield the largest force of every joint, and of the linkage on its frame, each with its direction."""
+    """Yield two figures for the largest force of every joint and of the linkage on its frame: its size and direction.
+
+    The joint names them, and ``on`` is the link on which the force acts. Directions are in rad, from x.
+    """
     joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
     every = {**joints, "shaking_force": (SHAKING, "ground")}
     vectors = {vector: words for vector, words in every.items() if vector + MAGNITUDE in peaks}
@@ -191,7 +202,10 @@ def force_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 
 
 def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
-    """Yield the output's stroke, the ends of its travel, largest speed and acceleration; none without an output."""
+    """Yield the output's stroke, the ends of its travel, largest speed and acceleration; none without an output.
+
+    The ends are the least and the largest S.
+    """
     if "S" not in peaks:
         return
     places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
@@ -232,9 +246,9 @@ def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
 
 
 def required_feed(curves: Curves) -> dict[str, Array]:
-    """φ, rad, the feed, m, that the file requires there, and the actual one, by name, (n,) each, in the file's order.
+    """φ, rad, the feed, m, that the file requires there, and the actual one, (n,) each, in the file's order.
 
-    {} if it requires none, and where the thread has no feed.
+    They are under "phi", "required" and "actual". {} if it requires none, and where the thread has no feed.
     """
     path = curves.linkage.thread
     if path is None or not path.required or THREAD_FEED not in curves.names:
@@ -254,7 +268,7 @@ def _peak_speed_time(curves: Curves) -> float:
 
 
 def _loaded_links(curves: Curves) -> dict[str, str]:
-    """The link on which each joint's force acts, by the joint; of a slot the body with its pin."""
+    """The name of the link on which each joint's force acts, by the joint's; of a slot the body with its pin."""
     linkage, sweep = curves.linkage, curves.case.start()
     pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
     sliders = {slider.name: slider.link for slider in linkage.sliders}
@@ -275,7 +289,10 @@ MechanismFigure = Callable[[Mechanism], float]
 
 
 def _resting_angle(mechanism: Mechanism) -> float:
-    """Crank angle, rad, of the stable rest with the least potential energy; raises LinkproofError without one."""
+    """Crank angle, rad in [0, 2π), of the stable rest with the least potential energy.
+
+    Raises LinkproofError where there is no such rest.
+    """
     stable = [rest.angle for rest in equilibria(mechanism) if rest.stable]
     if not stable:
         raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads balance at no angle")
@@ -283,7 +300,10 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 
 def _time_ratio(mechanism: Mechanism) -> float:
-    """Crank angle of the output's slower stroke divided by that of its faster one, 1 or more."""
+    """Crank angle of the output's slower stroke divided by that of its faster one, 1 or more.
+
+    Raises LinkproofError where the output stands still.
+    """
     stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
     strokes = sorted((stroke, FULL_TURN - stroke))
     return strokes[1] / strokes[0]
@@ -298,7 +318,7 @@ def _range_limit(mechanism: Mechanism, end: int) -> float:
 
 
 def _pulsation(mechanism: Mechanism) -> float:
-    """Relative pulsation of Jeq over a turn, without unit."""
+    """Relative pulsation of Jeq, half its range over its mean, over a turn."""
     return extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))).relative_pulsation
 
 
@@ -316,7 +336,8 @@ MECHANISM_FIGURES: Final[Mapping[str, tuple[str, MechanismFigure]]] = {
 def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | MechanismFigure]:
     """The figures of a case that a typed name stands for, by name; raises LinkproofError for an unknown one.
 
-    A signal's name alone stands for several.
+    A signal's name alone stands for several. One of ``MECHANISM_FIGURES`` is the function that computes it from the
+    mechanism, any other a Figure.
     """
     return (
         {name: MECHANISM_FIGURES[name][1]}
@@ -333,9 +354,9 @@ def figure_unit(name: str, linkage: Linkage) -> str:
 
 
 def case_figures(curves: Curves, figures: Mapping[Key, Figure | MechanismFigure]) -> dict[Key, float]:
-    """Values, SI, of figures over the motion, by name or another key.
+    """Values, SI, of figures over the motion, by the keys of ``figures``, as from ``figures_by_name``.
 
-    Raises LinkproofError for a place that the motion does not pass, and for what the mechanism lacks.
+    Raises LinkproofError for a place or an instant that the motion does not have, and for what the mechanism lacks.
     """
     of_signals = {name: entry for name, entry in figures.items() if isinstance(entry, Figure)}
     values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
@@ -374,7 +395,8 @@ def _figure_time(curves: Curves, figure: Figure) -> Array:
 class PublishedRecord:
     """A printed figure beside ours, both in the printed unit.
 
-    ``deviation`` is ours over published less one, None where 0 is published.
+    ``half_digit`` is half a unit of the last printed digit. ``deviation`` is ours over published less one, None where 0
+    is published. ``verdict`` is that of ``verdict``, ``source`` the place where it is printed.
     """
 
     mechanism: str
@@ -391,12 +413,15 @@ class PublishedRecord:
 
 
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
-    """Every printed figure of these linkages against ours, in each linkage's own variant."""
+    """Every printed figure of these linkages against ours, in their order, each linkage in its own variant.
+
+    Raises LinkproofError where a linkage cannot make the motion of a figure.
+    """
     return tuple(record for linkage in linkages for record in _records(linkage))
 
 
 def check_published(mechanism: Mechanism) -> None:
-    """Raise DescriptionError, with the line, for a printed figure whose quantity, unit or regime there is not.
+    """Raise DescriptionError, with the line, for a printed figure of an unknown quantity, unit or regime.
 
     So too for a speed that is none. Figures of other variants are left alone.
     """
@@ -423,7 +448,10 @@ def check_published(mechanism: Mechanism) -> None:
 
 
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
-    """Yield the printed figures of one linkage's variant beside ours."""
+    """Yield the records of the figures printed for one linkage's variant, in the file's order.
+
+    Raises LinkproofError where it cannot make the motion of one.
+    """
     entries = [entry for entry in linkage.published if entry.variant in (None, linkage.variant)]
     if entries:
         mechanism = Mechanism(linkage)
@@ -435,15 +463,17 @@ def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
 
 
 def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[tuple[Mechanism, Published]]]:
-    """Yield for each printed figure what it is made of: itself, the one it is less, the one it is relative to.
+    """Yield for each printed figure a list of what it is made of, each a figure of a mechanism.
 
-    The others are of another signal of this linkage, or of another mechanism, in this linkage's variant if it has that.
+    It is the figure itself, then the one to subtract, then the divisor, as far as it has them. These are of another
+    signal of this linkage, or of another mechanism, in this linkage's variant if it has that. Raises LinkproofError for
+    a mechanism that cannot be read.
     """
     variant, signals = mechanism.linkage.variant, table(mechanism)
 
     @cache
     def named(name: str) -> Mechanism:
-        """Another mechanism, by its name, in this linkage's variant if it has that."""
+        """Another mechanism, by its name, in this linkage's variant if it has that; each read once."""
         linkage = load(name)
         return Mechanism(load(name, variant) if variant in linkage.variants else linkage)
 
@@ -458,14 +488,17 @@ def _asked(mechanism: Mechanism, entries: Iterable[Published]) -> Iterator[list[
 
 
 def _combined(entry: Published, ours: float, *others: float) -> float:
-    """Our value of a printed figure, SI: ``ours``, less or over the values of what else ``_asked`` gives for it."""
+    """Our value of a printed figure, SI: ``ours``, less or over the values ``others`` of what else ``_asked`` gives."""
     if entry.less:
         ours -= others[0]
     return ours / others[-1] if entry.relative_to else ours
 
 
 def _record(mechanism: Mechanism, entry: Published, ours: float) -> PublishedRecord:
-    """The record of a printed figure with our value, SI, beside it, in the printed unit."""
+    """The record of a printed figure with our value, SI, beside it, in the printed unit.
+
+    To a place whole turns are added until it is nearest to the printed one.
+    """
     linkage = mechanism.linkage
     quantity = f"{entry.quantity} - {entry.less}" if entry.less else entry.quantity
     unit = figure_unit(entry.quantity, linkage)
@@ -493,7 +526,11 @@ def _record(mechanism: Mechanism, entry: Published, ours: float) -> PublishedRec
 
 
 def _is_place(entry: Published, mechanism: Mechanism) -> bool:
-    """Whether a printed figure is an angle of the mechanism or at an instant or a place: whole turns do not count."""
+    """Whether a printed figure is an angle of which whole turns do not count.
+
+    It is one of ``MECHANISM_FIGURES`` or of a signal at an instant or a place, with the SI unit rad, and relative to
+    nothing.
+    """
     is_angle = figure_unit(entry.quantity, mechanism.linkage) == "rad" and not entry.relative_to
     return is_angle and (entry.quantity in MECHANISM_FIGURES or part_figure(entry.quantity)[1].startswith("@"))
 
@@ -502,6 +539,7 @@ def verdict(entry: Published, ours: float) -> str:
     """How our value meets a printed one: reproduced to its digits, within the 6 % the sources claim, or not reproduced.
 
     Both are in the printed unit. Where the source is known to be less accurate than its digits, its accuracy counts.
+    The words are "reproduced", "within 6 %" and "not reproduced".
     """
     if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
         return REPRODUCED
@@ -535,10 +573,10 @@ def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[floa
 
 
 def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
-    """The case that figures are printed for: a ``regime``, or a steady ``speed``, rad/s.
+    """The case that figures are printed for: a ``regime``, of the file or a general one, or a steady ``speed``, rad/s.
 
-    Such a crank makes a turn, or turns up to the angle ``end``, rad, where one is given. Raises UnknownNameError for an
-    unknown regime, and LinkproofError for a crank that makes no turn.
+    Without a regime the crank makes a turn, or turns up to the angle ``end``, rad, where one is given. Raises
+    UnknownNameError for an unknown regime, and LinkproofError for a crank that makes no turn.
     """
     regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in regimes:

@@ -107,7 +107,10 @@ def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
 
 
 def _load_slips(linkage: Linkage) -> Iterator[str]:
-    """Yield sentences about an odd gravity, free length of a spring, load over the angle, or size of a load."""
+    """Yield sentences about an odd gravity, free length of a spring, load over the angle, or size of a load.
+
+    So too about a spring without a free length.
+    """
     pull = math.hypot(*linkage.gravity)
     if pull > LARGEST_GRAVITY:
         yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
@@ -129,7 +132,7 @@ def _load_slips(linkage: Linkage) -> Iterator[str]:
 
 
 def load_name(load: Load) -> str:
-    """The name of a load in warnings."""
+    """The name of a load in warnings: "force at 'D'", "spring between A and B"."""
     match load:
         case PointForce():
             return f"force at '{load.point}'"
@@ -169,7 +172,10 @@ def _oversized_loads(linkage: Linkage) -> Iterator[str]:
 
 
 def _unit_slip(load: Load, linkage: Linkage) -> str:
-    """Words, in brackets, that suggest a smaller unit for a load's number; "" where the file's is small."""
+    """Words, in brackets after a blank, that suggest a smaller unit for a load's number: " (N read as kN?)".
+
+    "" where the file's unit has no smaller one.
+    """
     si = {PointForce: "N", LinkTorque: "N m", Spring: "N/m", TorsionSpring: "N m"}[type(load)]
     unit = file_unit(si, linkage).name
     return f" ({SMALLER_UNITS[unit]} read as {unit}?)" if unit in SMALLER_UNITS else ""
@@ -200,7 +206,10 @@ def _table_slips(load: str, law: Law) -> Iterator[str]:
 
 
 def _inertia_unit_slip(ratio: float) -> str:
-    """Words that suggest the unit which brings a ratio of radius of gyration to size into bounds; "" for none."""
+    """Words that suggest the unit which brings a ratio of radius of gyration to size into bounds.
+
+    They are in brackets after a blank; "" where none of UNIT_SLIPS does.
+    """
     for slip, words in UNIT_SLIPS.items():
         if LEAST_GYRATION <= ratio / math.sqrt(slip) <= LARGEST_GYRATION:
             return f" ({words}?)"
@@ -210,7 +219,7 @@ def _inertia_unit_slip(ratio: float) -> str:
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
     """All facts on a linkage up to its first fault, under "fault" too, and that fault as an error; None without one.
 
-    Of a structure that cannot be divided its part so far is a fact.
+    Facts are by name, SI. Of a structure that cannot be divided its part so far is a fact.
     """
     facts = file_facts(linkage)
     try:
@@ -223,7 +232,7 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
 
 
 def _steps(linkage: Linkage) -> Iterator[Facts]:
-    """Yield the facts of each step of the review, in order; raises LinkproofError at the first fault."""
+    """Yield the facts of each step of the review, by name, in order; raises LinkproofError at the first fault."""
     yield {
         "loads": _load_facts(linkage),
         "warnings": list(warnings(linkage)),
@@ -268,7 +277,10 @@ def file_facts(linkage: Linkage) -> Facts:
 
 
 def mechanism_facts(mechanism: Mechanism) -> Facts:
-    """The facts of a linkage that assembles: those of its file, of its structure, and of a turn or its range, SI."""
+    """The facts of a linkage that assembles: those of its file, of its structure, and of a turn or its range, SI.
+
+    Raises LinkproofError for those that cannot be derived.
+    """
     reach = mechanism.crank_range()
     facts = file_facts(mechanism.linkage) | {"structure": mechanism.structure.formula}
     facts |= _accuracy_facts(mechanism)
@@ -308,9 +320,10 @@ def _turn_facts(mechanism: Mechanism) -> Facts:
 
 
 def _accuracy_facts(mechanism: Mechanism) -> Facts:
-    """How far joints are open, m, and bounds of the closed form's error, None for infinite ones.
+    """How far joints are open, m, and bounds of the closed form's relative error, None for infinite ones.
 
-    Both over a full turn, else over the range short of its ends.
+    The bounds are those of "position" and its "first" and "second" derivatives. All are found over a full turn, else
+    over the range short of its ends.
     """
     reach = mechanism.crank_range()
     sweep = mechanism.turn if reach.is_full_turn else mechanism.sweep(np.linspace(*inset_ends(reach), RANGE_SAMPLES))
@@ -337,7 +350,7 @@ def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
 
 
 def _load_facts(linkage: Linkage) -> Facts:
-    """The facts on which links have no mass or inertia, on the loads' numbers, and on the output."""
+    """The facts on which links have no mass or inertia, on the number of loads of each kind, and on the output."""
     return {
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
         "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
@@ -357,7 +370,7 @@ def _sketch_facts(mechanism: Mechanism) -> Facts:
 
 
 def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """The facts on the range of φ in this assembly mode: its ends with their reasons, its change points."""
+    """The facts on the range of φ in this assembly mode: its ends, rad or m, with their reasons, its change points."""
     low, high = reach.limits
 
     def toggle(entry: Toggle | None) -> str | None:
@@ -384,7 +397,7 @@ def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
 
 def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """By dyad: kind, least transmission angle, rad, where it is, and good stretches (none over a full turn)."""
+    """The facts of ``_least_angles`` on all dyads, by name, over the range or the full turn."""
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)
@@ -398,7 +411,8 @@ def _transmission_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 def _least_angles(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[ClosedGroup], grid: Array) -> Facts:
     """Least transmission angle, its place and the good stretch of each dyad, by its name; ``grid`` spans the range.
 
-    The stretch is [] over a full turn.
+    Under "least", rad, "at", rad or m, and "good", two ends or [], as over a full turn; "kind" is the dyad's; "where"
+    and "good_from_to" are the places in words.
     """
 
     def angles(phi: Array) -> Array:

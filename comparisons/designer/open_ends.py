@@ -29,7 +29,10 @@ INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends 
 
 @dataclass(frozen=True)
 class OpenEnd:
-    """An end of a motion, φ in rad or m, and the dead position beside it; extremes within ``reach`` are at this end."""
+    """An end of a motion, φ in rad or m, and the dead position beside it.
+
+    Extremes within ``reach``, rad or m, are at this end.
+    """
 
     place: float
     limit: Toggle
@@ -53,7 +56,10 @@ def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, fl
 
 
 def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd, ...]:
-    """The open ends of a motion between two values of φ, rad or m, the lower one first; () without any."""
+    """The open ends of a motion between two values of φ, rad or m, the lower one first; () without any.
+
+    An end is open where it is near the limit of its range, and a group there binds.
+    """
     low, high = min(first, last), max(first, last)
     reach = _range_around(mechanism, low)
     if reach.is_full_turn:
@@ -70,7 +76,10 @@ def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd,
 
 
 def _range_around(mechanism: Mechanism, phi: float) -> CrankRange:
-    """The crank's range that contains φ, rad or m: the sketch's, or that of a motion that starts there."""
+    """The crank's range that contains φ, rad or m: the sketch's, or that of a motion that starts there.
+
+    Raises AssemblyError where the linkage cannot be assembled there.
+    """
     reach = mechanism.crank_range()
     low, high = reach.limits
     return reach if reach.is_full_turn or low <= phi <= high else mechanism.crank_range(phi)
@@ -82,9 +91,10 @@ def _group_angle(sweep: Sweep, group: AnyGroup) -> Array:
 
 
 def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
-    """For each row, the ends, rad or m, of the stretch around its best place without binding; [] without one.
+    """For each curve of transmission angles, the two ends, rad or m, of the stretch around its best place; [] without.
 
-    ``angles`` (rows, n) are the transmission angles, rad, that ``function`` gives over ``grid`` (n,).
+    Within a stretch the angle is BINDS or more. ``angles`` (rows, n), rad, are the values over ``grid`` (n,),
+    ascending, of ``function``, which gives the curves at any φ (m,) as (rows, m).
     """
     brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
     for number, angle in enumerate(angles):
@@ -101,7 +111,7 @@ def good_stretches(function: Callable[[Array], Array], grid: Array, angles: Arra
 
 
 def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
-    """The ends, rad or m, of the part of a range where no group binds; [] where there is none."""
+    """The two ends, rad or m, of the part of a range where no group binds; [] where there is none."""
     low, high = reach.limits
     inset = INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, RANGE_SAMPLES)
@@ -117,7 +127,10 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
 
 
 def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
-    """A warning about open ends, one or more: the dead positions beside them, and a part of the range free of them."""
+    """A warning about open ends, one or more: the dead positions beside them, and a part of the range free of them.
+
+    It has no full stop. Raises IndexError for no ends.
+    """
     reach = _range_around(mechanism, ends[0].place)
     places: dict[str, list[str]] = {}
     for end in ends:

@@ -40,7 +40,7 @@ STEP_ROUNDING = 1e-9  # of a step: a bound that is a multiple but for rounding
 def step_size(variables: Sequence[Variable], text: str) -> float:
     """The step of ``--round``, m, typed as ``0.1mm`` or in the file's unit.
 
-    Raises LinkproofError for no positive length, and where no length is varied.
+    Raises LinkproofError for a text that is no positive length, and where no length is varied.
     """
     lengths = [variable.parameter for variable in variables if variable.parameter.kind == "length"]
     if not lengths:
@@ -52,11 +52,11 @@ def step_size(variables: Sequence[Variable], text: str) -> float:
 
 
 def round_lengths(problem: DesignProblem, place: Array, step: float) -> dict[str, float]:
-    """Numbers, SI, of the best design near a place, the optimum's, whose lengths are multiples of a ``step``, m.
+    """Numbers, SI, by name, of the best design near a place, the optimum's, whose lengths are multiples of ``step``, m.
 
     One length after the other takes the better of its two neighbouring multiples, which are then its bounds; all others
-    are searched for anew, so that the constraints hold as long as numbers are left. Raises LinkproofError for bounds
-    without a multiple.
+    are searched for anew, so that the constraints hold as long as numbers are left. Raises LinkproofError where no
+    multiple beside a length is within its bounds or assembles.
     """
     for number, variable in enumerate(problem.variables):
         if variable.parameter.kind != "length":
@@ -95,9 +95,11 @@ OF_HIGHEST: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of s
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
+    """The best design: its numbers and figures, before and after; SI.
 
-    Lengths are multiples of a ``step``, if one was typed; ``exact`` (figures,) are the values before they were rounded.
+    ``before`` and ``after`` are the varied numbers by name, ``values`` (2, figures) the ``figures``, those of the aims
+    first. ``search`` holds all searches, ``end`` the end of the best. Lengths are multiples of a ``step``, as typed, ""
+    without; ``exact`` (figures,) are the values before they were rounded.
     """
 
     problem: DesignProblem
@@ -157,7 +159,10 @@ class Optimum:
         return bool(abs(self.aim(values) - self.aim(self.values[1])) <= AS_GOOD * problem.aim_size) and is_held
 
     def curves(self) -> dict[str, Array]:
-        """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI."""
+        """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI.
+
+        The angles are those of ``problem.maxima.grid``.
+        """
         case, grid = self.problem.case, self.problem.maxima.grid
         figures = (*self.problem.figures, *known_figures(case.mechanism, ["Mkr.peak"]))
         signals = tuple(dict.fromkeys(figure.figure.signal for figure in figures))
@@ -180,7 +185,7 @@ class Optimum:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the constraints to a single value leave nothing to vary."""
+        """Whether the constraints to a single value leave nothing to vary at the best design."""
         slopes = self.problem.linearise(self.end.place, self.problem.windows(self.end.place)).equal[:, 1:]
         return len(independent(slopes)) == len(self.problem.variables)
 
@@ -204,9 +209,10 @@ def optimise(
 ) -> Optimum:
     """The design with the least, else the largest, ``figure`` over numbers within bounds, texts as typed.
 
-    ``keep`` constrains figures; the search is ``everywhere`` in the bounds, or from the file's design; lengths are
-    rounded to a ``step``, if there is one; ``announce`` is told of each search. Raises LinkproofError for bad input and
-    if no design is feasible.
+    ``over`` are numbers with bounds, ``rod.B.x=170:180``, ``keep`` constrained figures, ``stroke=29.9:30.1`` or
+    ``stroke``. The search is ``everywhere`` in the bounds, or from the file's design; lengths are rounded to a
+    ``step``, ``0.1mm``, if there is one. ``announce`` is called before each search with words, its number from 0, and
+    their count. Raises LinkproofError for bad input and if no design is feasible.
     """
     varied = variables(case, over)
     multiple = step_size(varied, step) if step else 0.0
@@ -235,7 +241,8 @@ def optimise(
 def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], typed: str, *, is_least: bool) -> None:
     """Raise LinkproofError for figures, aims or kept, that cannot be optimised or constrained.
 
-    ``typed`` is the aim as it was typed.
+    These are the largest and the range of a transmission angle; and several aims, but for peaks or maxima to minimise
+    and minima to maximise. ``typed`` is the aim as it was typed.
     """
     for figure in (*aims, *keep):
         if figure.figure.signal.startswith("transmission_angle:") and figure.figure.reduction in KINKED:
@@ -252,7 +259,10 @@ def _size(figure: NamedFigure, *values: float) -> float:
 
 
 def _check_depends(problem: DesignProblem, start: Array) -> None:
-    """Raise LinkproofError where the aim depends on none of the numbers; not if ``start`` does not assemble."""
+    """Raise LinkproofError where the aim depends on none of the numbers, or hardly, for bounds too close together.
+
+    It is looked at in the design at ``start`` (variables,); one that does not assemble passes.
+    """
     try:
         model = problem.linearise(start, problem.windows(start))
     except AssemblyError:
@@ -272,7 +282,7 @@ def _check_depends(problem: DesignProblem, start: Array) -> None:
 
 
 def _feasible_end(problem: DesignProblem, result: Search) -> End:
-    """The best end of a search; raises LinkproofError where no design assembles or the constraints are out of reach."""
+    """The best end of a search; raises LinkproofError where no design assembles or meets the constraints."""
     best = result.best
     if best is None:
         raise LinkproofError(

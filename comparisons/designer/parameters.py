@@ -51,18 +51,21 @@ class Named:
     def si(self, text: str) -> float:
         """The SI value of a number as it is typed: in the unit of the file, or with one of its own, 17cm.
 
-        Raises LinkproofError for no number, UnknownNameError for a unit that does not measure this.
+        Raises LinkproofError for no finite number, and for a unit that does not measure this.
         """
         number, size = self._read(text)
         return number * size
 
     def in_file(self, text: str) -> float:
-        """The number that a text gives, in the unit of the file; raises like ``si``."""
+        """The number that a text gives, in the unit of the file; takes and raises the same as ``si``."""
         number, size = self._read(text)
         return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
 
     def _read(self, text: str) -> tuple[float, float]:
-        """A typed number and the size of its unit in SI; raises LinkproofError for no number or another unit."""
+        """A typed number and the size of its unit in SI.
+
+        Raises LinkproofError for no finite number, and for a unit that does not measure this.
+        """
         read = TYPED_NUMBER.fullmatch(text)
         number = float(read["number"]) if read else math.nan
         if read is None or not math.isfinite(number):
@@ -109,7 +112,10 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
 
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
-    """A clause on the masses of designs that vary these numbers; "" where no length of a moving link varies."""
+    """A clause, from its comma, on the masses of designs that vary these numbers: ", masses as in the file".
+
+    "" where no length of a moving link varies.
+    """
     places = {name: number.path for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
         return ""
@@ -120,10 +126,10 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
 
 
 def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
-    """The text of the linkage file with these numbers, SI; its sketch moves if needed to keep the modes.
+    """The text of the linkage file with these numbers, SI, by name; its sketch moves if needed to keep the modes.
 
-    A speed among them is left out, for files have none. Raises LinkproofError for numbers that describe no linkage,
-    AssemblyError where the design has no such sketch.
+    A speed among them is left out, for files have none. Nothing is written. Raises UnknownNameError for a name,
+    LinkproofError for numbers that describe no linkage, AssemblyError where the design has no such sketch.
     """
     original, structure = mechanism.linkage, mechanism.structure
     numbers = {name: value for name, value in numbers.items() if name != SPEED}
@@ -161,7 +167,7 @@ class NamedFigure(Named):
 def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
     """The figures of these names, each once, in their order; a family stands for all its members.
 
-    Raises LinkproofError as ``analytic.designs.figures.figures_named``.
+    Raises LinkproofError for an unknown signal or reduction, a signal that the linkage lacks, and a wrong angle.
     """
     figures = {name: figure for typed in names for name, figure in figures_named(mechanism, typed).items()}
     linkage = mechanism.linkage
@@ -170,7 +176,7 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
 
 
 def known_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
-    """The figures of these names, in their order, without those that the linkage lacks."""
+    """The figures of these names, in their order, without those that the linkage lacks or does not know."""
     figures: list[NamedFigure] = []
     for name in names:
         try:
@@ -225,18 +231,27 @@ class SteadyCase:
         refine: bool = True,
         path: str = "auto",
     ) -> Array:
-        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``."""
+        """Figures of designs, SI: (figures, designs), nan where a design cannot be assembled at every place.
+
+        ``numbers`` (designs,) are SI values by the names of parameters; without any it is the file's design. With
+        ``refine`` extremes are those between the places too. ``path`` is "numpy", "compiled" or "auto". Raises
+        LinkproofError for an unknown name and for numbers that no design can have.
+        """
         return design_figures(
             self.mechanism, numbers, [each.figure for each in figures], self.places, speed=self.speed,
             period=self._period, refine=refine, path=path,
         )  # fmt: skip
 
     def figures_of(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> Array:
-        """Figures (figures,) of one design, refined, SI."""
+        """Figures (figures,), SI, of one design, extremes refined; its numbers are SI by name. Nan if not assembled."""
         return self.figures({name: np.array([value]) for name, value in design.items()}, figures)[:, 0]
 
     def gradients(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> tuple[Array, Array]:
-        """Figures (figures,) of one design, refined, and their derivatives by its numbers (figures, numbers), SI."""
+        """Figures (figures,) of one design, refined, and their derivatives by its numbers (figures, numbers), SI.
+
+        The numbers are SI values by name. A derivative is nan where equal tops have different ones. Raises
+        LinkproofError as ``figures``, and AssemblyError where the design cannot be assembled.
+        """
         every = [each.figure for each in figures]
         return figure_gradients(self.mechanism, design, every, self.places, speed=self.speed, period=self._period)
 
@@ -251,7 +266,10 @@ class SteadyCase:
         return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))
 
     def open_ends(self, figures: Sequence[NamedFigure]) -> OpenEndFigures:
-        """The figures whose extremes say no more than where the motion is cut off beside a dead position."""
+        """The figures whose extremes lie at an end of the motion beside a dead position, in the case's own design.
+
+        There they say no more than where the motion is cut off. None over a full turn.
+        """
         ends = () if self.is_full_turn else open_ends(self.mechanism, self.places[0], self.places[-1])
         tops = {each.name: self._tops(each) for each in figures} if ends else {}
         names = tuple(name for name, places in tops.items() if any(end.has(top) for end in ends for top in places))
@@ -277,7 +295,8 @@ class SteadyCase:
     def loads_that_stay(self, designs: Iterable[Mapping[str, float]]) -> str:
         """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
 
-        ``designs`` are numbers, SI, by name; those without dead centres are left out. The first such design counts.
+        ``designs`` are numbers, SI, by name; those without dead centres are left out. The first such design counts. A
+        dead centre that moves by less than DEAD_CENTRE_MOVES has not moved.
         """
         linkage = self.linkage
         tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]
@@ -306,10 +325,11 @@ class SteadyCase:
 def case_at_speed(
     mechanism: Mechanism, speed: float, *, samples: int = SAMPLES, start: float | None = None, end: float | None = None
 ) -> SteadyCase:
-    """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
+    """A turn at a ``speed``, rad/s, signed, or the range of a driver that makes none, or from ``start`` to ``end``.
 
-    There are ``samples`` places, to each turn if loads repeat after several. The range is that of the linkage as its
-    file has it, short of its limits. Raises LinkproofError for a speed that is zero or not finite.
+    ``start`` and ``end``, rad or m, count if both are given. There are ``samples`` places, to each turn if loads repeat
+    after several. The range is that of the linkage as its file has it, short of its limits. The speed of a linear
+    driver is in m/s. Raises LinkproofError for a speed that is zero or not finite.
     """
     if not math.isfinite(speed) or speed == 0.0:
         raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")

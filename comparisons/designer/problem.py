@@ -35,7 +35,10 @@ ALLOWED_EXCESS: Final = 1e-9  # share of its size by which a figure may violate 
 
 
 class SampleWindow(NamedTuple):
-    """Samples ``first`` to ``last`` of the grid, those beyond its ends a turn on, on a side of a signal."""
+    """A window on one ``side`` of a signal: the samples ``first`` to ``last`` of the grid, by index, both included.
+
+    Over a full turn an index may be negative or beyond the grid: it counts modulo the number of samples.
+    """
 
     side: SignalExtreme
     first: int
@@ -43,15 +46,20 @@ class SampleWindow(NamedTuple):
 
 
 def effective_reduction(figure: Figure) -> Reduction:
-    """The reduction that an optimiser bounds: S counts from its farthest place, so that its largest is its range."""
+    """The reduction that an optimiser bounds: the figure's own, but ``RANGE`` for the largest or the peak of S.
+
+    S counts from its farthest place, so that its largest is its range.
+    """
     is_range = figure.signal == "S" and figure.reduction in (Reduction.PEAK, Reduction.MAX)
     return Reduction.RANGE if is_range else figure.reduction
 
 
 def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
-    """The sides of a signal, highest and lowest, whose maxima make a figure; none for means.
+    """The sides of a signal, highest and lowest, whose maxima make a figure; () where it is smooth by itself.
 
-    A peak is the highest maximum of both; those of a range's two sides add up.
+    So are a mean, a value at an angle, a link's angle, and the least S. A peak is the highest maximum of both sides, of
+    a magnitude that of the upper one; the maxima of a range's two sides add up. S is replaced by the output's
+    coordinate.
     """
     name, how = figure.signal, effective_reduction(figure)
     if (name != "phi" and is_angle(name)) or (name == "S" and how is Reduction.MIN):
@@ -66,23 +74,27 @@ def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
 
 @dataclass(frozen=True)
 class LocalMaxima:
-    """Local maxima of some ``sides`` of signals, for any design of a linkage at a steady speed."""
+    """Local maxima of some ``sides`` of signals, for any design of a linkage at a steady speed.
+
+    ``numbers`` of a design are SI values by the names of parameters.
+    """
 
     case: SteadyCase
     sides: tuple[SignalExtreme, ...]
 
     @property
     def grid(self) -> Array:
-        """Evenly spaced crank angles, rad or m."""
+        """Evenly spaced crank angles (n,), rad or m: over a full turn without its end, else over the whole range."""
         count = max(FEWEST_ANGLES, len(self.case.places))
         if self.case.is_full_turn:
             return np.linspace(0.0, self.case.linkage.load_period, count, endpoint=False)
         return np.linspace(self.case.places[0], self.case.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
-        """The motion of a design cut, for every side, into a window around each highest maximum.
+        """The motion of a design cut, for every side in its order, into a window around each highest maximum.
 
-        Raises AssemblyError where the design cannot be assembled at every angle.
+        A side has at most MOST_WINDOWS. Raises AssemblyError where the design cannot be assembled at every angle of the
+        grid, or stands in a dead position.
         """
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
@@ -94,8 +106,8 @@ class LocalMaxima:
     def heights(self, numbers: Mapping[str, float], windows: Sequence[SampleWindow]) -> tuple[Array, Array]:
         """The maximum in each window (windows,), SI, and its derivatives by the design's numbers (windows, parameters).
 
-        That of a lowest side has the other sign. Raises AssemblyError where the design cannot be assembled at every
-        angle.
+        Maxima are refined between the samples. That of a lowest side has the other sign. Raises AssemblyError where the
+        design cannot be assembled at every angle, or stands in a dead position.
         """
         grid, names = self.grid, self._signals
         rows = np.array([names.index(window.side.signal) for window in windows])
@@ -108,7 +120,7 @@ class LocalMaxima:
         tops = Tops(np.arange(len(windows)), grid[0] + (grid[1] - grid[0]) * near, own)
 
         def heights(top: Integers, places: Array) -> Array:
-            """Heights of the tops' signals at crank angles (tops, n), rad or m."""
+            """Heights (tops, n), SI, of the windows numbered ``top`` (tops,) at crank angles (tops, n), rad or m."""
             seen = self._values(numbers, names, places.ravel()).reshape(len(names), *places.shape)
             return np.asarray(ways[top, None] * seen[rows[top], np.arange(len(top))])
 
@@ -131,16 +143,20 @@ class LocalMaxima:
         return AssemblyError(f"'{self.case.linkage.name}' stands in a dead position")
 
     def _values(self, numbers: Mapping[str, float], names: Sequence[str], angle: Array) -> Array:
-        """Signals (names, angles), SI, of a design at ``angle``, rad or m; raises AssemblyError in a dead position."""
+        """Signals (names, angles), SI, of a design at ``angle``, rad or m.
+
+        Raises AssemblyError where it cannot be assembled or stands in a dead position.
+        """
         values = signal_values(self.case.mechanism, numbers, names, angle, speed=self.case.speed)
         if not np.all(np.isfinite(values)):
             raise self._dead_position_error
         return values
 
     def _cut_windows(self, side: SignalExtreme, values: Array) -> list[SampleWindow]:
-        """The windows of one side, whose height over the grid is ``values``, each around one of its highest maxima.
+        """The windows of one side, whose height over the grid is ``values`` (n,), each around a highest maximum.
 
-        They are cut at the minima between; without a maximum the whole grid is one.
+        There are at most MOST_WINDOWS, in the grid's order. They are cut at the minima between; without a maximum the
+        whole grid is one.
         """
         count, cyclic = len(values), self.case.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
@@ -157,7 +173,10 @@ class LocalMaxima:
 
 
 def _bracket_top(window: SampleWindow, values: Array) -> Array:
-    """Three neighbouring samples, by index, around the window's highest one of ``values`` over the grid."""
+    """Three neighbouring samples, by index, ascending, around the window's highest one of ``values`` over the grid.
+
+    As in the window, an index may lie beyond the grid.
+    """
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])
     middle = max(min(top, window.last - 1), window.first + 1)
@@ -173,7 +192,7 @@ class Variable(NamedTuple):
 
 
 class Constraint(NamedTuple):
-    """A figure that stays between two values, SI, or at one."""
+    """A figure that stays between two values, SI, or at one; an open end is infinite."""
 
     figure: NamedFigure
     low: float
@@ -186,7 +205,7 @@ class Constraint(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The value, or the ends of the range, in words, in the file's unit."""
+        """The value, or the ends of the range, in words, in the file's unit, unnamed: "at 30", "from 29.9 to 30.1"."""
         if self.is_equal:
             return f"at {self.low / self.figure.unit.size:.6g}"
         ends = (("from", self.low), ("to", self.high))
@@ -222,7 +241,10 @@ class Pieces(NamedTuple):
 
 
 class Linearised(NamedTuple):
-    """A design: scaled rows: what the aim has to be above, what has to be positive, what has to be zero."""
+    """A design: scaled values with their derivatives by its place, in rows (n, 1 + variables) of three kinds.
+
+    The highest of ``aim`` is what is minimised; ``inside`` have to be 0 or more, ``equal`` have to be 0.
+    """
 
     aim: Array
     inside: Array
@@ -238,7 +260,8 @@ class Linearised(NamedTuple):
 class DesignProblem:
     """Minimise the largest of the ``aims``, or with ``sign`` -1 maximise the least, over ``variables``.
 
-    Designs are points between 0 and 1, the bounds. Sizes are those of the design ``start`` from the file.
+    Designs are points (variables,) between 0 and 1, the bounds. ``aim_size`` and ``constraint_sizes``, SI, by which
+    aims and constraints are divided, are those of the file's design.
     """
 
     case: SteadyCase
@@ -276,11 +299,17 @@ class DesignProblem:
         return dict(zip((variable.parameter.name for variable in self.variables), values.tolist(), strict=True))
 
     def windows(self, place: Array) -> tuple[SampleWindow, ...]:
-        """Windows around the local maxima of the design at a place, () if no figure has any; raises AssemblyError."""
+        """Windows around the local maxima of the design at a place (variables,), () if no figure has any.
+
+        Raises AssemblyError where that design cannot be assembled.
+        """
         return self.maxima.windows(self.numbers(place)) if self.maxima.sides else ()
 
     def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
-        """Aim and constraints of a design with derivatives, a row for each window; raises AssemblyError."""
+        """Aim and constraints of the design at a place (variables,), with a row for each maximum in ``windows``.
+
+        Derivatives are by the place. Raises AssemblyError where the design cannot be assembled.
+        """
         pieces = self._pieces_of_figures(place, windows)
         aims = [piece.bounded_by(self.sign) for piece in pieces[: len(self.aims)]]
         none = np.empty((0, 1 + len(self.variables)))
@@ -295,7 +324,10 @@ class DesignProblem:
         return Linearised(np.vstack(aims) / self.aim_size, np.vstack(inside), np.vstack(equal))
 
     def _pieces_of_figures(self, place: Array, windows: tuple[SampleWindow, ...]) -> list[Pieces]:
-        """The pieces of every aim and constraint, maxima looked for in ``windows``; raises AssemblyError."""
+        """The pieces of every aim, then of every constraint, in their order, at a place (variables,); SI, unscaled.
+
+        Maxima are looked for in ``windows``. Raises AssemblyError where the design cannot be assembled.
+        """
         numbers = self.numbers(place)
         heights: dict[SignalExtreme, Array] = {}
         if windows:
@@ -311,7 +343,7 @@ class DesignProblem:
         return [smooth.get(figure) or _figure_pieces(figure.figure, heights) for figure in self.figures]
 
     def sample_designs(self, places: Array, angles: Array) -> Array:
-        """Scaled aim and violation of the constraints of designs at places (designs, variables): (2, designs).
+        """Scaled aim, and sum of scaled violations, of the designs at places (designs, variables): (2, designs).
 
         Nan where a design cannot be assembled; extremes are those of the sampled ``angles``, rad or m.
         """
@@ -325,7 +357,7 @@ class DesignProblem:
 
 
 def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, Array]) -> Pieces:
-    """The pieces of a figure, from the rows of its sides' local maxima."""
+    """The pieces of a figure, from the rows (n, 1 + variables) of each side's local maxima."""
     parts = [heights[side] for side in sides(figure)]
     if effective_reduction(figure) is Reduction.RANGE:
         up, down = parts
@@ -342,7 +374,8 @@ NOT_NEGATIVE: Final = ("mass", "inertia")
 def variables(case: SteadyCase, texts: Sequence[str]) -> tuple[Variable, ...]:
     """The numbers to vary, with their bounds, from texts as typed; one may be the driver's speed.
 
-    Raises LinkproofError for none, for malformed bounds and for one named twice, UnknownNameError for a name.
+    Raises LinkproofError for none, for malformed bounds and for one named twice, UnknownNameError for a name. A text is
+    ``rod.B.x=170:180`` or ``rod.B.x=±10%``.
     """
     if not texts:
         raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
@@ -359,7 +392,11 @@ def variables(case: SteadyCase, texts: Sequence[str]) -> tuple[Variable, ...]:
 
 
 def _bounds(number: Parameter, text: str) -> tuple[float, float]:
-    """Lower and upper bound of a number, SI, from the typed text; raises LinkproofError for impossible ones."""
+    """Lower and upper bound of a number, SI, from the typed text, ``170:180`` or ``±10%``.
+
+    Raises LinkproofError for another text, bounds upside down, and bounds that a mass, an inertia or a speed cannot
+    have.
+    """
     share = PERCENT_RANGE.fullmatch(text)
     if share is not None:
         part = 0.01 * float(share["percent"])
@@ -382,7 +419,11 @@ def _bounds(number: Parameter, text: str) -> tuple[float, float]:
 
 
 def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFigure, str | None]:
-    """The constrained figures of typed texts, each with that of its range; None if the file's value is to stay."""
+    """The constrained figures of typed texts, each with that of its range; None if the file's value is to stay.
+
+    A text is ``stroke=29.9:30.1`` or ``stroke``; of two for one figure the later counts. Raises LinkproofError for an
+    unknown figure.
+    """
     result: dict[NamedFigure, str | None] = {}
     for text in texts:
         name, mark, values = text.rpartition("=")
@@ -397,7 +438,8 @@ def constraint_texts(mechanism: Mechanism, texts: Iterable[str]) -> dict[NamedFi
 def constraint(figure: NamedFigure, text: str | None, file_value: float) -> Constraint:
     """A constraint to a typed value or range, either end of which may be open; to ``file_value``, SI, for None.
 
-    Raises LinkproofError for a range without numbers or upside down.
+    A text is ``30``, ``29.9:30.1``, ``29.9:`` or ``:30.1``, in the file's unit or one of its own. Raises LinkproofError
+    for another one and for a range upside down.
     """
     if text is None:
         return Constraint(figure, file_value, file_value)

@@ -26,7 +26,10 @@ INDEPENDENT: Final = 1e-9  # scaled slope from which a constrained figure depend
 
 @dataclass(frozen=True)
 class End:
-    """End of a search from one design: scaled aim, and the largest violation of a constraint."""
+    """End of a search from one design: its ``place`` (variables,), 0 to 1, the scaled aim, the largest violation.
+
+    A violation is a share of the constraint's size.
+    """
 
     place: Array
     aim: float
@@ -55,7 +58,10 @@ class Descent:
     beyond: int = 0
 
     def run(self, start: Array) -> End | None:
-        """The end of a search from a place (variables,); None where the design there cannot be assembled."""
+        """The end of a search from a place (variables,); None where the design there cannot be assembled.
+
+        It counts the designs that it evaluates.
+        """
         try:
             end = self.end(start)
         except AssemblyError:
@@ -84,7 +90,7 @@ class Descent:
 
         It is the change of the aim, as a share of it, over the whole of the bounds: the shortest combination of the
         gradients of the highest local maxima with those of the constraints and of the active bounds (Karush, Kuhn,
-        Tucker).
+        Tucker). Raises AssemblyError where the design cannot be assembled.
         """
         from scipy.optimize import nnls  # noqa: PLC0415
 
@@ -100,19 +106,20 @@ class Descent:
         return float(np.linalg.norm(matrix[:-1] @ shares))
 
     def end(self, place: Array) -> End:
-        """The design at a place as the end of a search; raises AssemblyError."""
+        """The design at a place (variables,) as the end of a search; raises AssemblyError if it does not assemble."""
         here = self.linearise(place, self.problem.windows(place))
         return End(place, float(np.max(here.aim[:, 0])), here.violation)
 
     def linearise(self, place: Array, windows: tuple[SampleWindow, ...]) -> Linearised:
-        """The design at a place, linearised and counted; raises AssemblyError."""
+        """The design at a place (variables,), linearised and counted; raises AssemblyError if it does not assemble."""
         self.gradients += 1
         return self.problem.linearise(place, windows)
 
     def _search_round(self, end: End, radius: float) -> End | None:
-        """The end of an SLSQP search within a radius; of the aim or, if a constraint is violated, the violation.
+        """The end of an SLSQP search within a radius, a share of the bounds; None if it cannot be assembled.
 
-        Either is a variable of its own, above all local maxima or all violations. None if the end cannot be assembled.
+        It lowers the aim or, if a constraint is violated, the violation. Either is a variable of its own, above all
+        local maxima or all violations.
         """
         from scipy.optimize import minimize  # noqa: PLC0415
 
@@ -120,7 +127,7 @@ class Descent:
         column = np.append(np.zeros(len(end.place)), 1.0)
 
         def limits(z: Array) -> Array:
-            """The rows that have to be positive, each with its derivative by z at its end."""
+            """The rows that have to be positive, each with its derivative by z, a place and the bound, at its end."""
             return _limits(designs(z[:-1]), is_feasible=end.is_feasible)
 
         held: list[dict[str, Any]] = [{
@@ -161,7 +168,10 @@ def _limits(design: Linearised, *, is_feasible: bool) -> Array:
 
 
 def independent(slopes: Array) -> list[int]:
-    """A largest set of linearly independent rows of slopes (n, variables); a figure that nothing moves is left out."""
+    """Indices of a largest set of linearly independent rows of slopes (n, variables), ascending.
+
+    A figure that nothing moves is left out.
+    """
     rows: list[int] = []
     for row in range(len(slopes)):
         if np.linalg.matrix_rank(slopes[[*rows, row]], tol=INDEPENDENT) > len(rows):
@@ -170,10 +180,10 @@ def independent(slopes: Array) -> list[int]:
 
 
 class _CachedDesigns:
-    """Designs of one round by their place, worked out once; infeasible designs get a large penalty."""
+    """Designs of one round by their place, the last one kept; one that cannot be assembled gets a large penalty."""
 
     def __init__(self, descent: Descent, start: Array) -> None:
-        """Linearise designs in the windows of the design ``start``, which must be one that assembles."""
+        """Linearise designs in the windows of the design ``start``; raises AssemblyError if that does not assemble."""
         self.descent, self.windows = descent, descent.problem.windows(start)
         self.last, self.designs = start, descent.linearise(start, self.windows)
         self.good = self.designs
@@ -215,7 +225,8 @@ Announce = Callable[[str, int, int], None]
 class Search:
     """The ends of searches from several designs, the first from the file's; None where one cannot be assembled.
 
-    ``sampled`` counts the designs without gradients; ``residual`` is that of the best end.
+    ``everywhere`` tells whether others than the file's were to be searched from. ``sampled`` counts the designs without
+    gradients; ``residual`` is that of the best end, nan without.
     """
 
     descent: Descent
@@ -226,7 +237,7 @@ class Search:
 
     @property
     def method(self) -> str:
-        """The search method in words."""
+        """The search method in words: "SLSQP", and ", from the best of an even sample" if ``everywhere``."""
         return "SLSQP" + (", from the best of an even sample" if self.everywhere else "")
 
     @property
@@ -245,14 +256,14 @@ class Search:
 
     @property
     def misses_alike(self) -> bool:
-        """Whether several ends violate the constraints by as little as the best, so that none comes nearer."""
+        """Whether OUT_OF_REACH_ENDS ends violate the constraints as little as the best, so that none comes nearer."""
         found = [end.violation for end in self.ends if end is not None]
         return sum(violation <= min(found) + APART for violation in found) >= OUT_OF_REACH_ENDS
 
     def starts(self, count: int, most: int) -> list[Array]:
-        """Places to start from: at most ``most``, the best of an even sample of ``count``, apart from each other.
+        """Places (variables,) to start from: at most ``most``, the best of an even sample of ``count``, spaced apart.
 
-        Counts the sample.
+        The sample is added to ``sampled``; [] where none of it can be assembled.
         """
         problem = self.descent.problem
         places = _even_places(count, len(problem.variables))
@@ -271,9 +282,9 @@ class Search:
 def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhere: bool = False) -> Search:
     """Search from the file's design ``start`` and, if ``everywhere``, from the best designs of an even sample.
 
-    ``announce`` is called with words, number and count before each of these. Once the first few searches end at the
-    same design, no others are made. Where the search from the file's design ends without meeting the constraints, a few
-    sampled designs are tried, until several miss the constraints alike.
+    ``announce`` is called with words, number from 0 and count before each of these. Once the first few searches end at
+    the same design, no others are made. Where the search from the file's design ends without meeting the constraints, a
+    few sampled designs are tried, until several miss the constraints alike.
     """
     result = Search(Descent(problem), everywhere)
     ends, run = result.ends, result.descent.run

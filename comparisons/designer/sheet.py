@@ -134,13 +134,13 @@ class Sheet:
 
     @property
     def columns(self) -> dict[str, Array]:
-        """Every signal of the table, (n,), in the file's units, by name and unit, the axis first."""
+        """Every signal of the table, (n,), in the file's units, the axis first, by name and unit: "Mkr [N mm]"."""
         names = sorted(self.table, key=lambda name: name != self.axis)  # stable: the rest keeps its order
         units = {name: self.unit(name) for name in names}
         return {f"{name} [{unit.name}]": self.table[name] / unit.size + 0.0 for name, unit in units.items()}
 
     def unit(self, name: str) -> FileUnit:
-        """The file's unit of a signal."""
+        """The file's unit of a signal; raises KeyError for one that the sheet does not have."""
         return self.file_unit_of(self.units[name])
 
     def file_unit_of(self, si: str) -> FileUnit:
@@ -157,7 +157,10 @@ class Sheet:
         return self.without_rounding(figure.signal, value) / self.unit_of(figure).size
 
     def without_rounding(self, name: str, value: float) -> float:
-        """A value of a signal, SI; 0 where it is no more than rounding beside the signals of its kind and unit."""
+        """A value of a signal, SI; 0 where it is no more than rounding beside the signals of its kind and unit.
+
+        Nan stays.
+        """
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:

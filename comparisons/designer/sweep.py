@@ -39,7 +39,10 @@ RANGE_FORM: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """The grid of every combination of the ``columns``, the values of each parameter; or their rows, a list."""
+    """The grid of every combination of the ``columns``, the values of each parameter; or their rows, a list.
+
+    Values are in the units of the linkage's file.
+    """
 
     parameters: tuple[Parameter, ...]
     columns: tuple[Array, ...]
@@ -85,7 +88,7 @@ class DesignSpace:
         return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
 
     def block(self, first: int, last: int) -> dict[str, Array]:
-        """SI values (designs,) of the designs numbered from ``first`` to below ``last``, by parameter."""
+        """SI values (designs,) of the designs numbered from ``first`` to below ``last``, by the parameter's name."""
         values = self.file_values(first, last)
         return {number.name: row * number.unit.size for number, row in zip(self.parameters, values, strict=True)}
 
@@ -93,8 +96,8 @@ class DesignSpace:
 def parameter_range(case: SteadyCase, text: str) -> tuple[Parameter, Array]:
     """The parameter and its values, in equal steps, that a text ``rod.B.x=170:180:1000`` means.
 
-    The values are in the file's unit. Raises UnknownNameError for an unknown parameter or unit, LinkproofError for a
-    malformed range.
+    The values are in the file's unit. Raises UnknownNameError for an unknown parameter, LinkproofError for an unknown
+    unit or a malformed range.
     """
     name, equals, ends = text.rpartition("=")
     words = ends.split(":")
@@ -123,7 +126,8 @@ LARGEST_TABLE: Final = 1 << 27  # bytes
 def read_table(path: Path, case: SteadyCase) -> DesignSpace:
     """The list of designs of a CSV file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
 
-    Raises LinkproofError for a file that cannot be read, an unknown column or unit, and rows that are no designs.
+    Raises LinkproofError for a file that cannot be read, an unknown column or unit, a parameter named twice, and rows
+    that are no designs.
     """
     start = f"--table '{path}': expected"
     content = read_file(path, "a table of designs", LARGEST_TABLE)
@@ -147,7 +151,7 @@ def read_table(path: Path, case: SteadyCase) -> DesignSpace:
 def _read_column(name: str, case: SteadyCase) -> tuple[Parameter, float]:
     """The parameter that a cell of the first line names, and the size of the column's unit in the file's unit.
 
-    Raises LinkproofError for an unknown parameter or unit.
+    Raises UnknownNameError for an unknown parameter, LinkproofError for a unit that does not measure it.
     """
     name, bracket, unit = name.strip().partition("[")
     entry = case.parameter(name.strip())
@@ -174,8 +178,9 @@ def _read_row(start: str, line: int, row: Sequence[str], names: Sequence[str]) -
 def given_designs(case: SteadyCase, vary: Any, table: Any) -> tuple[DesignSpace, dict[str, Any] | None]:  # noqa: ANN401
     """The designs of ``vary``, a grid, or ``table``, a list, and None; for Dask arrays one design and the arrays.
 
-    ``vary`` is texts or arrays by name, ``table`` a path or arrays by name, and one of them has to be given; the arrays
-    are by name. Raises LinkproofError for bad input.
+    ``vary`` is texts ``NAME=FIRST:LAST:COUNT`` or arrays (n,) by name, ``table`` a path or arrays (n,) by name, and
+    exactly one of them has to be given. Arrays are in the units of the file; any one of Dask's stands for all, and they
+    are returned by name. Raises LinkproofError for bad input.
     """
     if bool(vary) == (table is not None):
         got = "both" if vary else "neither"
@@ -201,9 +206,10 @@ def _is_dask_array(values: object) -> bool:
 
 
 def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
-    """Values of a parameter as an array (n,); raises LinkproofError unless they are a list of finite numbers.
+    """Values of a parameter as an array (n,), of floats or Dask's own, from a list, an array or a DataArray.
 
-    Those of a Dask array are not looked at.
+    Raises LinkproofError unless they are a flat list of finite numbers, at least one; those of a Dask array are not
+    looked at.
     """
     data = getattr(given, "data", given) if hasattr(given, "dims") else given  # of a DataArray
     values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
@@ -243,15 +249,19 @@ class SweepRequest:
         return [*filter(None, (self.at_open_end.sentence, self.case.loads_that_stay(designs)))]
 
     def values(self, numbers: Mapping[str, Array], path: str = "auto") -> Array:
-        """Figures (figures, designs), in the units of the file, of designs with these numbers (designs,), SI.
+        """Figures (figures, designs), in the units of the file, of designs with these numbers (designs,), SI, by name.
 
-        ``path`` is as for ``design_figures``.
+        Nan where a design does not assemble. ``path`` is "numpy", "compiled" or "auto". Raises LinkproofError for
+        numbers that no design can have.
         """
         values = self.case.figures(numbers, self.figures, refine=self.refine, path=path)
         return np.asarray(values / np.array([figure.unit.size for figure in self.figures])[:, None])
 
     def own(self) -> Array:
-        """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion."""
+        """Figures (figures,) of the linkage as its file has it, in its units; nan where it cannot make the motion.
+
+        Raises LinkproofError for figures that no design has.
+        """
         return self.values({number.name: np.array([number.value]) for number in self.space.parameters})[:, 0]
 
 
@@ -273,9 +283,9 @@ class SweepStudy:
 
     @property
     def reach(self) -> Array:
-        """Least and largest value of each parameter among the designs that assemble, in the file's units.
+        """Least and largest value of each parameter among the designs that assemble, (parameters, 2), in file units.
 
-        They are (parameters, 2); it raises ValueError if none assembles.
+        Raises ValueError if none assembles.
         """
         shown = self.request.space.file_values(0, len(self.assembles))[:, self.assembles]
         return np.stack([np.min(shown, axis=1), np.max(shown, axis=1)], axis=1)
@@ -298,9 +308,10 @@ class SweepStudy:
 
 
 def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = lambda *_: None) -> SweepStudy:
-    """Compute the figures of all designs, block by block; ``announce`` hears how many designs are finished.
+    """Compute the figures of all designs, block by block.
 
-    Raises LinkproofError where the space has values that no design can.
+    ``announce`` is called after each block with "designs", the number finished and the count of all. Raises
+    LinkproofError where the space has values that no design can.
     """
     own, count = request.own(), request.space.count
     cost = len(request.case.places) * (REFINED if request.refine else 1)
@@ -316,9 +327,9 @@ def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = l
 
 
 def reason_not_assembled(request: SweepRequest) -> str:
-    """The sentence why the first design cannot be assembled throughout its motion; "" where it can.
+    """The sentence why the first design cannot make its motion; "" where it can.
 
-    So too where it stands in a dead position.
+    It cannot be assembled somewhere, or stands in a dead position at or between the crank angles.
     """
     case, first = request.case, request.space.block(0, 1)
     try:
@@ -332,9 +343,10 @@ def reason_not_assembled(request: SweepRequest) -> str:
 
 
 def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: Any) -> xarray.Dataset:  # noqa: ANN401
-    """A dataset of ``figures`` (figures, *shape) over ``values`` of the parameters, with names and units.
+    """A dataset of ``figures`` (figures, *shape) over ``values`` of the parameters, by name, with names and units.
 
-    Both are in the file's units, and may be lazy.
+    Both are in the file's units, and may be lazy. Its attributes tell mechanism, variant, conditions, number of angles,
+    whether extremes are refined, and the sentence on open ends, if any.
     """
     import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
 
@@ -358,9 +370,10 @@ def labelled_dataset(request: SweepRequest, values: Mapping[str, Any], figures: 
 
 
 def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dataset:
-    """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks.
+    """Figures of all designs as Dask arrays, a chunk for every combination of the values' chunks, in a dataset.
 
-    Raises LinkproofError for figures that no design has.
+    ``values`` are arrays of NumPy or Dask by parameter, in the file's units. Raises LinkproofError for figures that no
+    design has.
     """
     import dask.array as da  # noqa: PLC0415 - only Dask arrays need it
 

@@ -82,7 +82,7 @@ class TolerancedNumber(NamedTuple):
 
 @dataclass(frozen=True)
 class Tolerances:
-    """The request: results by name, the speed in its file's unit, if given, and the table of tolerances.
+    """The request: results by name, the speed in its file's unit, if given, and the table of tolerances by name.
 
     ``source`` is their file, if they have one: faults are told with its line.
     """
@@ -136,7 +136,7 @@ def _fault(source: Source | None, message: str) -> LinkproofError:
 
 
 def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the values of a table by full names: rod.B.x without quotes is a table of tables.
+    """Yield names and values of a table, by full names: rod.B.x without quotes is a table of tables.
 
     Names begin with ``prefix``.
     """
@@ -150,7 +150,8 @@ def _flatten_table(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple
 def _read_tolerance(number: Parameter, value: object) -> TolerancedNumber:
     """The tolerance of a number from its value in the table; raises LinkproofError for another value.
 
-    That is a ±, or a table of it and a distribution, normal by default.
+    That is a ± in the file's unit, a text with a unit, or a table of it under ``plus_minus`` and a ``distribution``,
+    normal by default. The ± of a mass, an inertia or a speed is limited.
     """
     entry: Mapping[str, Any] = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
     for key in entry:
@@ -185,6 +186,7 @@ class ToleranceStudy:
     """The ``figures`` of a linkage in a case whose numbers have ``tolerances``, SI; nan where designs do not assemble.
 
     Transmission angles farthest from 90° are all on the side of the nominal one: an angle and π less it are as far.
+    ``nominal`` (results,) are those of the file's numbers, ``derivatives`` (results, tolerances) theirs by the numbers.
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
     nominal. ``corners`` (results, 2) are the least and the largest result where every number is at a limit; of more
     than 12 tolerances those two to which the derivatives point; ``lost_corners`` are those worked out that do not
@@ -281,9 +283,10 @@ class ToleranceStudy:
 def tolerance_study(
     case: SteadyCase, requested: Tolerances, samples: int | None = None, announce: Announce = lambda *_: None
 ) -> ToleranceStudy:
-    """Compute a tolerance study of a linkage in a case; ``announce`` hears how many designs are begun.
+    """Compute a tolerance study of a linkage in a case.
 
-    Without ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
+    ``announce`` is called before each block of designs with "designs", the number begun and the count of all. Without
+    ``samples`` there are 10 000 random designs, or 200 of a linkage that is computed design by design. Raises
     LinkproofError for an unknown name, no results, too few or too many samples, and where the nominal or nearly all
     random designs fail.
     """
@@ -323,7 +326,10 @@ def _checked_results(case: SteadyCase, requested: Tolerances) -> tuple[NamedFigu
 
 
 def _checked_samples(case: SteadyCase, samples: int | None) -> int:
-    """The number of random designs, the usual one for None; raises LinkproofError for too few or too many."""
+    """The number of random designs, the usual one for None.
+
+    Raises LinkproofError for fewer than FEWEST or more than MOST.
+    """
     if samples is None:
         return SAMPLES if is_exact(case.mechanism) else FEW_SAMPLES
     if samples < FEWEST:
@@ -334,7 +340,10 @@ def _checked_samples(case: SteadyCase, samples: int | None) -> int:
 
 
 def _random_offsets(numbers: Sequence[TolerancedNumber], samples: int) -> Array:
-    """Random distances (tolerances, samples), SI, of the numbers from their nominal values, the same every time."""
+    """Random distances (tolerances, samples), SI, of the numbers from their nominal values, the same every time.
+
+    They are a Latin hypercube's, spread as each number's distribution says.
+    """
     from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that help does not pay
 
     drawn = LatinHypercube(len(numbers), rng=SEED).random(samples).T
@@ -349,10 +358,10 @@ def _results(
     offsets: Array,
     announce: Announce,
 ) -> Array:
-    """Results of designs at ``offsets`` (tolerances, designs), SI, (results, designs); nan if not assembled.
+    """Results of designs at ``offsets`` (tolerances, designs) from the nominal numbers, SI, (results, designs).
 
-    Masses and inertias that a wide normal distribution makes negative are zero. ``announce`` is called before every
-    block.
+    Nan where a design does not assemble. Masses and inertias that a wide normal distribution makes negative are zero.
+    ``announce`` is called before every block with "designs", the number begun and the count of all.
     """
     least = [0.0 if number.parameter.kind in (Kind.MASS, Kind.INERTIA) else -math.inf for number in numbers]
     nominal = np.array([number.parameter.value for number in numbers])

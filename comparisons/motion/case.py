@@ -95,7 +95,10 @@ def zero_of_output(mechanism: Mechanism, motion: DriverMotion) -> float:
 
 
 def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
-    """The largest coordinate, m, of the output over a motion, between instants too."""
+    """The largest coordinate, m, of the output over a motion, between instants too.
+
+    Raises AssemblyError where the linkage cannot make the motion.
+    """
     time = np.linspace(0.0, motion.duration, INSTANTS)
 
     def coordinate(instants: Array) -> Array:
@@ -125,13 +128,14 @@ def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> B
 
 
 def body_motion(sweep: Sweep, name: str, order: int, speed: ArrayLike, acceleration: ArrayLike) -> Array:
-    """Place of the mass centre and angle of a link, m and rad, or a derivative of them by time, SI, (..., 3).
+    """Place of the mass centre, x and y, and angle of a link, m and rad, or a derivative by time, SI: (..., 3).
 
-    Of order 1 and 2 for a crank speed, rad/s, and acceleration, rad/s², each of the sweep's shape or scalar.
+    Of ``order`` 0 it is the place, of 1 and 2 the derivative for a crank speed, rad/s, and acceleration, rad/s², each
+    of the sweep's shape or scalar. Raises AssemblyError in a dead position.
     """
 
     def over_angle(k: int) -> Array:
-        """The derivative of order ``k`` over φ."""
+        """The derivative of order ``k`` over φ, (..., 3); of order 0 the place itself."""
         turned = (sweep.rates, sweep.accelerations)[k - 1](name)[2] if k else sweep.angles(name)
         return np.stack(np.broadcast_arrays(*sweep.centre(name, k), turned, sweep.angle)[:3], axis=-1)
 
@@ -149,7 +153,8 @@ def scene(
     """The scene of a mechanism under a drive, for an engine that is to record ``channels``.
 
     Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
-    speed ``speed`` (rad/s), its accelerations taken from the equation of motion.
+    speed ``speed`` (rad/s), its accelerations taken from the equation of motion. Raises AssemblyError where the linkage
+    cannot be assembled at the start, and LinkproofError for loads over S where the crank makes no full turn.
     """
     if isinstance(drive, Prescribed):
         motion = drive.motion
@@ -196,7 +201,10 @@ class Truth(LinkageInMotion):
 
 @dataclass(frozen=True)
 class Case:
-    """One mechanism under one crank motion; ``drive`` is what an engine is given, the motion itself by default."""
+    """One mechanism under one crank motion; ``drive`` is what an engine is given, the motion itself by default.
+
+    ``conditions`` are words on both, "" for those that the motion gives.
+    """
 
     mechanism: Mechanism
     motion: DriverMotion
@@ -238,7 +246,8 @@ class Case:
     def check_motion(self) -> None:
         """Raise AssemblyError where the linkage cannot be assembled or move at an angle that the crank passes.
 
-        It is looked at in small steps.
+        So too where it leaves a cylinder's travel, where a dyad turns freely, and where the crank rests on a change
+        point. The motion is looked at in small steps.
         """
         low, high = self.reach
         self._check_change_points(low, high)
@@ -258,7 +267,10 @@ class Case:
             raise
 
     def _check_change_points(self, low: float, high: float) -> None:
-        """Raise AssemblyError where a dyad turns freely between two angles, or the crank rests on a change point."""
+        """Raise AssemblyError where a dyad turns freely between two angles, or the crank rests at a change point.
+
+        The angles are in rad.
+        """
         self.mechanism.check_determined(low, high)
         motion = self.motion
         pieces = motion.segments if isinstance(motion, CrankMotion) else ()
@@ -277,11 +289,14 @@ class Case:
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
-        """The linkage posed at the first instant of the motion, arrays (1,)."""
+        """The linkage posed at the first instant of the motion, arrays (1,), from the cache of ``at``."""
         return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
-        """The scene of the case, for an engine that is to record ``channels``."""
+        """The scene of the case, for an engine that is to record ``channels``; raises LinkproofError as ``scene``.
+
+        Without a drive the motion has to be a CrankMotion, else AssertionError.
+        """
         drive = self.drive
         if drive is None:
             assert isinstance(self.motion, CrankMotion)
@@ -291,7 +306,10 @@ class Case:
         return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
 
     def at(self, time: Array) -> Truth:
-        """The Truth at instants (n,), s, cached for the last few clocks: quantities on one clock share its work."""
+        """The Truth at instants (n,), s, cached for the last few clocks: quantities on one clock share its work.
+
+        There are at most MOST_CLOCKS; the oldest goes first.
+        """
         key = time.tobytes()
         if key not in self._seen:
             while len(self._seen) >= MOST_CLOCKS:
@@ -300,12 +318,15 @@ class Case:
         return self._seen[key]
 
     def sweep(self, time: Array) -> Sweep:
-        """The linkage posed along the motion, at times (n,), s."""
+        """The linkage posed along the motion, at times (n,), s, from the cache of ``at``."""
         return self.at(time).sweep
 
     @cached_property
     def apart(self) -> Case:
-        """The same case with a cache of its own, for a few instants that must not displace those of a run."""
+        """The same case with a cache of its own, for a few instants that must not displace those of a run.
+
+        It is made once.
+        """
         return replace(self)
 
     @cached_property
@@ -347,7 +368,10 @@ def unpickle_case(case: bytes) -> Case:
 
 
 def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime) -> FreeMotion:
-    """The motion of a crank released as a regime of the file says, integrated, with the regime's name."""
+    """The motion of a crank released as a regime of the file says, integrated, with the regime's name.
+
+    Raises LinkproofError where the motion cannot be followed.
+    """
     motion = free_motion(
         mechanism,
         torque=regime.torque if regime.over_angle is None else regime.over_angle,
@@ -374,7 +398,8 @@ def _release_words(linkage: Linkage, regime: ReleasedRegime) -> str:
 def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
     """The case of a regime of the linkage's file: a prescribed motion, or a released crank by the equation of motion.
 
-    A crank torque over the angle is a load like any other: the case's linkage, a copy, has it among its own.
+    A crank torque over the angle is a load like any other: the case's linkage, a copy, has it among its own. Raises
+    LinkproofError where a released crank cannot be followed.
     """
     gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
     if isinstance(regime, PrescribedRegime):
@@ -400,7 +425,8 @@ def _torque_words(regime: ReleasedRegime, unit: str) -> str:
 def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
     """A released crank's drive: torque, duration, s, and pace, rad/s, from which an engine chooses its steps.
 
-    The pace is the peak speed and the largest change of speed that the motion makes.
+    The pace is the peak |ω| plus the largest |ε| over it. A torque over the angle is left out: it is a load of the
+    case.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
     return Free(regime.torque, regime.duration, motion.peak_speed + hardest / motion.peak_speed, regime.over_time)
@@ -412,7 +438,8 @@ def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
 def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array:
     """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,).
 
-    ``part`` is the body's or the joint's name; the drive needs none.
+    Of a body it is x, y and angle, or their first or second derivative by time, as the channel says; of a joint the
+    force, x and y. ``part`` is the body's or the joint's name; the drive needs none.
     """
     at = case.at(time)
     if channel is Channel.TORQUE:

@@ -15,18 +15,18 @@ EXTREMES: Final = 40
 
 
 def stored_curve(time: Array, angle: Array, reference: Array, error: Array) -> NDArray[np.float32]:
-    """The curve that a run stores: rows of time, angle, reference and error at few samples.
+    """The curve that a run stores: rows of time, angle, reference and error, (4, samples), at few samples.
 
-    They show the reference's extremes, and the sample with the largest error is among them.
+    The four are (n,). The samples show the reference's extremes, and that with the largest error is among them.
     """
     chosen = distinct(np.concatenate([extreme_samples(reference, EXTREMES), highest_samples(np.abs(error), WORST)]))
     return np.array([row[chosen] for row in (time, angle, reference, error)], dtype=np.float32)
 
 
 def extreme_samples(values: Array, stretches: int) -> Integers:
-    """Indices of the samples that show a long curve: extremes of every stretch and both ends; all if it is short.
+    """Indices, ascending, of the samples that show a long curve (n,): extremes of every stretch and both ends.
 
-    ``stretches`` is their number.
+    ``stretches`` is the number of stretches; a curve of no more than two samples for each is whole.
     """
     if len(values) <= 2 * stretches:
         return np.arange(len(values))
@@ -35,7 +35,10 @@ def extreme_samples(values: Array, stretches: int) -> Integers:
 
 
 def highest_samples(values: Array, stretches: int) -> Integers:
-    """Index of the highest sample of each of a curve's ``stretches``, which are equally long but for the last."""
+    """Index of the highest sample of each of a curve's ``stretches``, which are equally long but for the last.
+
+    ``stretches`` is their number; a short curve has fewer.
+    """
     size = -(-len(values) // stretches) or 1
     starts = np.arange(0, len(values), size)
     padded = np.full(len(starts) * size, -np.inf)
