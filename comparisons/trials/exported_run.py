@@ -29,9 +29,12 @@ DRIVES = (("drive force", "N"), ("drive torque", "N m"))  # of a linear drive, o
 
 
 def exported(case: Case, engine_name: str, setting: Setting, command: str) -> str:
-    """The script of a case's run in an engine and setting; ``command`` is named in it.
+    """The source text of a Python script that repeats a case's run in an engine and setting by the engine's own API.
 
-    Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
+    ``engine_name`` is one of the registry's, ``command`` the command line to name in the script's head. The run is made
+    here once, for the ``worst_figures`` that the script shows at its end. Raises UnknownNameError for the engine's
+    name, LinkproofError for an engine that cannot be used or is no LoopEngine, a setting that it lacks for this drive,
+    or a run that cannot be exported, AdapterError for any other exception of the adapter.
     """
     adapter, scene, linkage = engine(engine_name), case.scene(frozenset(Channel)), case.mechanism.linkage
     reason = why_unavailable(adapter)
@@ -53,9 +56,9 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
-    """The figures with the largest errors: for each channel one of places and one of angles, or one.
+    """Largest errors of a ``history`` from the closed form: for each channel one of places and one of angles, or one.
 
-    Channels without a true value at some instant, as in a dead position, are left out.
+    Channels that it lacks, or that have no true value at some instant, as in a dead position, are left out.
     """
     figures: list[ScriptFigure] = []
     for channel in Channel:
@@ -67,7 +70,7 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigu
 
 
 def _figure(worst: SignalError) -> ScriptFigure:
-    """The component of a signal with the largest error, at its instant, as a ScriptFigure with the true value."""
+    """The component of a signal with the largest error, at its instant, as a ScriptFigure with the true value, SI."""
     read, true = worst.read, worst.true
     row, column = divmod(int(np.argmax(worst.components)), worst.components.shape[1])
     values = (float(read.time[row]), float(read.values[row, column]), float(true.values[row, column]))

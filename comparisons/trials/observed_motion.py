@@ -54,9 +54,9 @@ class ObservedMotion:
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
-        """The signal of a recorded channel, no joint force; a free crank's torque is taken from the drive.
+        """The signal of a recorded channel, no joint force; raises AssertionError for one that was not recorded.
 
-        There must be one.
+        A free crank's torque is taken from the drive, at the accelerations' times.
         """
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
             time = self.signal(Channel.ACCELERATION).time
@@ -74,7 +74,10 @@ class ObservedMotion:
         return getattr(self.history, channel.value) is not None
 
     def origin(self, channels: Iterable[Channel]) -> Origin:
-        """The weakest origin of the signals in these channels, which must have been recorded."""
+        """The weakest origin of the signals in these channels, which must have been recorded; READ without any.
+
+        Of the joint forces it is that of all joints.
+        """
         signals = [s for c in channels for s in (self.history.joint_force.values() if c is Channel.JOINT_FORCE
                    else (self.signal(c),))]  # fmt: skip
         return weakest(signal.origin for signal in signals)
@@ -102,12 +105,15 @@ class ObservedMotion:
         return turn if len(ways) >= DENSE and (np.all(ways > 0.0) or np.all(ways < 0.0)) else None
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
-        """A channel's values at times, s, (n, ...), interpolated to sixth order between its samples."""
+        """A channel's values at times (n,), s, (n, ...), interpolated to sixth order between its samples.
+
+        Samples beyond a jump of the acceleration take no part in it. The channel is no joint force.
+        """
         return resample_piecewise(self.signal(channel), time, self.jumps)
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Times, s, at which the prescribed acceleration jumps."""
+        """Times, s, at which the prescribed acceleration jumps; () for a free crank."""
         drive = self.scene.drive
         return () if isinstance(drive, Free) else drive.motion.jumps
 
@@ -116,11 +122,11 @@ class ObservedMotion:
         return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
 
     def pose(self, time: Array) -> Pose:
-        """Poses of all bodies and the ground at times (n,), s."""
+        """Poses, m and rad, of all bodies and the ground at times (n,), s."""
         return pose_of(self.bodies(Channel.POSITION, time))
 
     def crank(self, channel: Channel, time: Array) -> Array:
-        """φ, rad or m, or its speed or acceleration, by the channel, at times (n,), s, as the engine has it."""
+        """φ, rad or m, or its first or second time derivative, by the channel, at times (n,), s, by the engine."""
         signal = self.signal(channel)
         if self.is_linear:
             order = LEVELS.index(channel)
@@ -157,7 +163,7 @@ class ObservedMotion:
     def joint_gaps(self, time: Array) -> dict[str, Array]:
         """The opening of every joint, m, (n,), by name: pins apart, sliders and slot pins off their line.
 
-        None is negative.
+        None is negative; ``time`` (n,) is in s.
         """
         equations, pose = JointEquations(self.scene, unit=1.0), self.pose(time)
         openings = equations.openings(equations.residual(pose, equations.arms(pose)))
@@ -166,7 +172,7 @@ class ObservedMotion:
     def point(self, body: str, anchor: Vector, time: Array, order: int = 0) -> Array:
         """A point fixed in a body at times (n,), s: place (n, 2), m, velocity (``order`` 1) or acceleration (2).
 
-        ``anchor`` is in the body's own frame, from its mass centre.
+        ``body`` is a name, the ground's too; ``anchor`` is in m in the body's own frame, from its mass centre.
         """
         number, pose = self.numbers[body], self.pose(time)
         if order == 0:
@@ -183,7 +189,8 @@ class ObservedMotion:
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
     """Values of a signal at other times, (len(time), ...); of order ``points`` inside, one-sided at the ends.
 
-    On the signal's own clock the values come back untouched. Raises ValueError for a signal with fewer samples.
+    Times outside the samples are extrapolated. On the signal's own clock its own array comes back. Raises ValueError
+    for a signal with fewer samples.
     """
     if time is signal.time or np.array_equal(time, signal.time):
         return signal.values
@@ -205,9 +212,11 @@ def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
 def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], points: int = POINTS) -> Array:
     """Values of a signal at other times, (len(time), ...), from nodes on one side of each break, s, alone.
 
-    A derivative jumps at a break, and no polynomial follows it.
+    A derivative jumps at a break, and no polynomial follows it. ``breaks`` ascend; what lies on one belongs to the
+    piece behind it. ``points`` is the order, as of ``resample``.
 
-    A piece with fewer nodes takes what it has; one with a single node is read across the break.
+    A piece with fewer nodes takes what it has; one with a single node or none is read across the break. Without breaks
+    ValueError is raised for a signal of fewer samples.
     """
     if time is signal.time or np.array_equal(time, signal.time) or not len(breaks):
         return resample(signal, time, points)
@@ -222,7 +231,7 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], poi
 
 
 def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
-    """The largest value of a signal (n,), between its samples too, smooth except at its ``breaks``, s."""
+    """The largest value of a signal (n,), in its unit, between its samples too, smooth except at its ``breaks``, s."""
     points = min(SHARP_POINTS, len(signal.time))
 
     def between(time: Array) -> Array:
@@ -239,7 +248,10 @@ PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the 
 
 
 def is_off_jumps(time: Array, jumps: Sequence[float]) -> Booleans:
-    """Which samples at these times, s, are on no jump; on a jump an engine may show either value."""
+    """Which samples at these times (n,), s, are on none of the ``jumps``, s, where an engine may show either value.
+
+    What is nearer than 1e-6 of the first step is on a jump.
+    """
     result = np.full(len(time), True)
     for jump in jumps:
         result &= np.abs(time - jump) > _same_time(time)
@@ -255,7 +267,7 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
     """∫ dt of a signal (n,) from the first sample to each, (n,), of an even ``order`` up to 6 between its ``jumps``, s.
 
     It is the integral of what ``resample`` puts between the samples. A sample on a jump has two values, so that it is
-    dropped and both sides are extrapolated to it.
+    dropped and both sides are extrapolated to it. ``jumps`` ascend.
     """
     time = signal.time
     near = _same_time(time)
@@ -274,7 +286,11 @@ def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> A
 
 
 def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
-    """The integral of a ``stretch`` from the first node, s, to each; one of few samples is taken for a polygon."""
+    """The integral of a ``stretch``, a signal (k,) without a jump, from the first of the ``nodes``, s, to each.
+
+    ``order`` is that of the interpolation; a stretch of fewer than ``POINTS`` samples is taken for a polygon, one of
+    none for 0.
+    """
     step = np.diff(nodes)
     places = (nodes[:-1, None] + 0.5 * step[:, None] * (1.0 + PLACES)).ravel()
     if len(stretch.time) >= POINTS:
@@ -288,10 +304,10 @@ def _integrate_stretch(nodes: Array, stretch: Signal, order: int) -> Array:
 
 
 def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """Estimated error of ``integral``, here ``fine``, at each sample: its distance from that of fourth order.
+    """Estimated error of ``integral``, here ``fine``, at each sample, (n,): its distance from that of fourth order.
 
     It never falls. Of a signal that its samples resolve this is several times the error; of one that they do not, less
-    than it. Infinite where there are too few samples to tell.
+    than it. Infinite where there are too few samples to tell. ``signal`` and ``jumps`` are those of the integral.
     """
     if len(signal.time) < FEWEST:
         return np.full(len(signal.time), np.inf)
@@ -299,10 +315,11 @@ def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Arr
 
 
 def error_bound(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
-    """Error bound of ``integral``, here ``fine``, at each sample: its distance from that of every other sample.
+    """Error bound of ``integral``, here ``fine``, at each sample, (n,): its distance from that of every other sample.
 
     It never falls. Of a signal that its samples resolve, this is some sixty times the error; of a peak as narrow as a
-    few samples still no less than it. Infinite where there are too few samples to tell.
+    few samples still no less than it. Infinite where there are too few samples to tell. ``signal`` and ``jumps`` are
+    those of the integral.
     """
     time = signal.time
     if len(time) < FEWEST:

@@ -60,7 +60,8 @@ class CampaignRequest:
 def tasks(request: CampaignRequest) -> list[Task]:
     """The tasks of a request's runs, in a stable order; a key identifies a run as ``Error.run`` does.
 
-    Raises UnknownNameError, AssemblyError or StructureError before any run is made.
+    Raises UnknownNameError for an engine or quantity, AssemblyError, StructureError, or LinkproofError where there is
+    no regime to run in or a quantity has no value, before any run is made.
     """
     for name in request.engines:
         if name not in engine_names():
@@ -71,7 +72,8 @@ def tasks(request: CampaignRequest) -> list[Task]:
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     """Yield the tasks of one case: every engine in every setting, of a released crank in the settings for own regimes.
 
-    Raises LinkproofError for a quantity without a value, but not for a thread's feed that is not asked for.
+    A task's job are the arguments of ``judged``. Raises UnknownNameError for an unknown quantity and LinkproofError for
+    one without a value, but not for a thread's feed that is not asked for.
     """
     quantities = chosen_quantities(case, request.quantities)
     # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
@@ -143,7 +145,7 @@ def lost(
 ) -> RunRecord:
     """The record of a run whose process gave no result, with the reason in every quantity.
 
-    Further arguments are the run's.
+    Arguments after ``failure`` are those of ``judged``.
     """
     case = unpickle_case(pickled)
     run = run_of(case, setting, engine_name, engine(engine_name).version() or "")
@@ -155,7 +157,8 @@ def judged(
 ) -> RunRecord:
     """Make the run of a pickled case in an engine, in a worker, and judge these quantities by the suite's limits.
 
-    With it go the invariants, if wanted. A run that gives no motion has its outcome and reason in each quantity.
+    ``names`` are those of quantities, () all that the case has. With it go the invariants, if wanted. A run that gives
+    no motion has its outcome and reason in each quantity. Raises AdapterError for what the adapter raises.
     """
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
@@ -186,7 +189,11 @@ def compared(
     *,
     with_invariants: bool = True,
 ) -> RunRecord:
-    """A copy of the run with the errors of its motion in these quantities and, if asked for, its invariants."""
+    """A copy of the run with the errors of its motion in these quantities and, if asked for, its invariants.
+
+    They are judged by the suite's limits; a quantity that cannot be judged has the reason. The curves of the quantities
+    go with them. ``run`` gives the names; ``adapter`` is asked whether it is a control, and what it offers.
+    """
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
     found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
     return replace(
@@ -208,9 +215,10 @@ def _without_motion(
 def _compare_quantity(
     case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error, adapter: Engine
 ) -> tuple[Error, Curve | None]:
-    """A quantity's judged error, and its curve; None where the run has no sample of it, and the error says why.
+    """A quantity's error, judged by the suite's limits, and its curve.
 
-    The origin is that of the ``blank`` record, if it has one, or the engine's own.
+    The curve is None where the run has no sample of the quantity; the error's outcome and detail say why. The origin is
+    that of the ``blank`` record, if it has one, or the engine's own.
     """
     blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
     lacking = quantity.lacking(motion)
@@ -234,9 +242,10 @@ def _compare_quantity(
 def sheets(
     linkages: Sequence[Linkage], motions: Sequence[CrankMotion], regimes: Sequence[str], processes: int | None = None
 ) -> list[Sheet]:
-    """The data sheet of every linkage, in their order, made in up to ``processes``.
+    """The data sheet of every linkage, in their order, made in up to ``processes``; a failed one has the reason alone.
 
-    Where one failed, a sheet with the reason.
+    Each is of the linkage's usual motion, chosen from ``motions`` and its own ``regimes`` of these names. ``processes``
+    is ``usual_processes`` by default; with 0, or where no worker can start, this process makes them.
     """
     jobs = [(linkage, motions, regimes) for linkage in linkages]
     count = usual_processes(len(jobs)) if processes is None else processes

@@ -58,7 +58,7 @@ CASE: Final = TypeAdapter(CaseRow)
 
 
 def linkage_row(linkage: Linkage) -> LinkageRow:
-    """The row that saves a linkage."""
+    """The row that saves a linkage, its file's text among it."""
     return LinkageRow(name=linkage.name, variant=linkage.variant, gravity=linkage.gravity, text=linkage.text)
 
 
@@ -80,7 +80,10 @@ def described_motion(row: MotionRow) -> CrankMotion:
 
 
 def save_case(folder: Path, case: Case) -> None:
-    """Write a case into a folder, replacing an earlier one of its linkage and variant; it becomes the last."""
+    """Write a case into a folder, replacing an earlier one of its linkage and variant; it becomes the last.
+
+    Raises LinkproofError where the folder cannot be written or its saved cases are damaged.
+    """
     linkage, motion = case.mechanism.linkage, case.motion
     row = CaseRow(
         linkage=linkage_row(linkage),
@@ -94,22 +97,22 @@ def save_case(folder: Path, case: Case) -> None:
 
 
 def _key(row: CaseRow) -> str:
-    """The key of a saved case: mechanism/variant."""
+    """The key of a saved case: "mechanism/variant"."""
     return f"{row['linkage']['name']}/{row['linkage']['variant']}"
 
 
 def load_cases(folder: Path) -> list[Case]:
-    """The saved cases of a folder, [] without any; raises LinkproofError for a damaged one."""
+    """The saved cases of a folder, in the order of saving, [] without any; raises LinkproofError for a damaged one."""
     return [*map(_case_of_row, _load_rows(folder))] if has_study(folder, RESULTS) else []
 
 
 def _load_rows(folder: Path) -> tuple[CaseRow, ...]:
-    """The saved cases of a folder as rows; raises LinkproofError for a damaged or missing file."""
+    """The saved cases of a folder as rows, as they were saved; raises LinkproofError for a damaged or missing file."""
     return load_study(folder, RESULTS, TypeAdapter(dict[str, Any]), lambda row, _: CASE.validate_python(row))[1]
 
 
 def _case_of_row(row: CaseRow) -> Case:
-    """The case that a row saved; a released crank's motion is computed anew."""
+    """The case that a row saved, a released crank's motion anew; raises DescriptionError for a damaged text."""
     mechanism = Mechanism(described_linkage(row["linkage"]))
     if row["motion"] is not None:
         return Case(mechanism, described_motion(row["motion"]), conditions=row["conditions"])
@@ -178,7 +181,7 @@ class CampaignResults:
 
     @cached_property
     def limits(self) -> LimitTable:
-        """The limits of the records; the suite's own if the folder has no table of limits."""
+        """The limits of the records; the suite's own if the document has no table of limits."""
         return table_from_rows(self.document["limits"]) if "limits" in self.document else shipped_limits()
 
     @cached_property
@@ -204,7 +207,7 @@ class CampaignResults:
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
-        """The linkages as they were described when the campaign ran."""
+        """The linkages as they were described when the campaign ran; raises DescriptionError for a damaged text."""
         return tuple(map(described_linkage, self.document["descriptions"]))
 
     @cached_property
@@ -235,7 +238,10 @@ def document(
     command: str,
     readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``, by engine."""
+    """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``, by engine.
+
+    ``command`` is the command line that made it. The environment is that of now.
+    """
     return {
         "command": command,
         "conditions": request.conditions,
@@ -247,7 +253,10 @@ def document(
 
 
 def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Change]) -> dict[str, Any]:
-    """Limits, key figures and changes of a campaign, JSON-ready: the part that judging anew replaces."""
+    """Limits, key figures and changes of a campaign, JSON-ready: the part that judging anew replaces.
+
+    ``figures`` are Error records whose ``error_max`` is the value.
+    """
     rows = ((*figure[:4], figure.quantity, figure.error_max, figure.unit) for figure in figures)
     return {
         "limits": limits.as_dict,
@@ -273,7 +282,10 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
 
 
 def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
-    """Write a campaign or judgement into a folder, replacing another study there, be it a designer's results."""
+    """Write a campaign or judgement into a folder, replacing another study there, be it a designer's results.
+
+    ``table`` is its document. Raises LinkproofError where the folder cannot be written.
+    """
     kind = kind_of(table)
     save_study(folder, kind, table, ((run.key, *run.written()) for run in runs), {*KINDS, RESULTS} - {kind})
 
@@ -284,7 +296,7 @@ def kind_of(table: Mapping[str, Any]) -> str:
 
 
 def is_saved(folder: Path) -> bool:
-    """Whether a folder has a campaign or a judgement."""
+    """Whether a folder has a campaign or a judgement; raises LinkproofError for a file that cannot be used."""
     return any(has_study(folder, kind) for kind in KINDS)
 
 
@@ -307,7 +319,7 @@ def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
     """Write the curves of all runs into a CSV file, replacing it, with every digit of their few samples.
 
     Columns are ``CURVE_COLUMNS``: time is in s, angle, the true one of the crank, in rad (m of a linear drive),
-    observed and reference in the unit.
+    observed and reference in the unit. Raises OSError where the file cannot be written.
     """
     with file.open("w", encoding="utf-8", newline="") as opened:
         writer = csv.writer(opened, lineterminator="\n")
@@ -316,7 +328,7 @@ def write_curves(runs: Iterable[RunRecord], file: Path) -> None:
 
 
 def _curve_rows(runs: Iterable[RunRecord]) -> Iterator[tuple[str | float, ...]]:
-    """Yield the rows of the curves' CSV file, a row for each sample of each curve."""
+    """Yield the rows of the curves' CSV file, ``CURVE_COLUMNS``, a row for each sample of each curve."""
     for run in runs:
         for error in run.errors:
             if error.quantity in run.curves:

@@ -31,7 +31,7 @@ THREAD: Final = "thread:length@0s"  # m, of its contour
 
 
 def figures_of_case(case: Case) -> list[Error]:
-    """The key figures of a case, SI, as Error records."""
+    """The key figures of a case, SI, as Error records of the "engine" ``CLOSED_FORM``, with values as ``error_max``."""
     linkage = case.mechanism.linkage
     motion = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return [
@@ -80,9 +80,10 @@ def _figure_unit(name: str, linkage: Linkage) -> str:
 
 
 def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> list[Error]:
-    """The key figures of a request's cases as rows; ``every_variant`` adds those of the linkages' other variants.
+    """The key figures of a request's cases as Error records, as from ``figures_of_case``.
 
-    A variant that cannot follow a motion has none.
+    ``every_variant`` adds those of the linkages' other variants; one that cannot follow a motion has none. Raises
+    LinkproofError where a requested variant cannot, or has no regime to run in.
     """
     figures = [figure for case in each_case(request) for figure in figures_of_case(case)]
     for linkage in request.linkages if every_variant else ():
@@ -97,7 +98,10 @@ def closed_form(request: CampaignRequest, *, every_variant: bool = False) -> lis
 def changes_since(
     before: Iterable[Error], now: Iterable[Error], request: CampaignRequest, *, every_variant: bool = False
 ) -> tuple[Change, ...]:
-    """The changes from rows ``before`` to those ``now``, of those results that a request asks for."""
+    """The changes from rows ``before`` to those ``now``, of those results that a request asks for.
+
+    They are in the order of the rows' names; ``every_variant`` is as for ``asked_rows``.
+    """
     is_asked = asked_rows(request, every_variant=every_variant)
     return tuple(changes(filter(is_asked, before), filter(is_asked, now)))
 
@@ -129,5 +133,5 @@ def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Call
 
 
 def _without_gravity(conditions: str) -> str:
-    """Conditions in words without their last part, which is on gravity."""
+    """Conditions in words without their last part, ", gravity on" or "off"; conditions without it as they are."""
     return conditions.rpartition(GRAVITY)[0] or conditions

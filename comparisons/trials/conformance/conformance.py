@@ -53,8 +53,8 @@ BESIDE = 4  # samples from the start, or from where two parts meet
 def check_channel(channel: Channel, trial: EngineTrial) -> None:
     """Raise AssertionError where a channel of a sample is off the closed form by more than the limit of ``tuned``.
 
-    So too where a sample's run has not recorded it. Raises NotTestedError if the engine does not offer it, or no sample
-    has it.
+    So too where a sample's run does not finish or has not recorded it. Raises NotTestedError if the engine does not
+    offer it, or no sample has it.
     """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
@@ -78,7 +78,10 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
 
 
 def _error_words(worst: SignalError, bound: float) -> str:
-    """Words on a signal's largest error, its time, the samples over the ``bound``, and the likeliest cause."""
+    """Words on a signal's largest error, its time, the samples over the ``bound``, and the likeliest cause.
+
+    ``bound`` is a share of the error's scale.
+    """
     reading, time, over = worst.read, worst.read.time, np.flatnonzero(~(worst.sizes <= bound))
     words = f"{worst.largest:.2g} off at t = {worst.worst_time:.4g} s"
     if len(over) > FEW * len(time):
@@ -96,7 +99,11 @@ def _error_words(worst: SignalError, bound: float) -> str:
 
 
 def check_samples(trial: EngineTrial) -> None:
-    """Raise AssertionError unless sample times increase to the end of the motion, densely enough to be read between."""
+    """Raise AssertionError unless sample times increase, none beyond the motion's end, densely enough to read between.
+
+    That is ``DENSE`` samples per turn of the peak speed. Raises NotTestedError where the engine does not take the plain
+    sample.
+    """
     for sample, scene, history in trial.histories():
         motion = case(sample).motion
         for reading in readings(scene, history):
@@ -116,7 +123,10 @@ def check_samples(trial: EngineTrial) -> None:
 
 
 def check_identity(trial: EngineTrial) -> None:
-    """Raise AssertionError unless name, version and abilities are as the contract requires."""
+    """Raise AssertionError unless name, version and abilities are as the contract requires.
+
+    Raises AdapterError where these are of other types or the adapter raises.
+    """
     with blamed_on(trial.engine):
         check_adapter(trial.engine)
     can = trial.engine.abilities
@@ -141,7 +151,8 @@ def check_installed(trial: EngineTrial) -> None:
 def check_refusals(trial: EngineTrial) -> None:
     """Raise AssertionError unless a scene beyond the engine's abilities is refused as unsupported, with a reason.
 
-    Raises NotTestedError where its abilities cover everything.
+    Nor may it have a history. Raises NotTestedError where its abilities cover everything, AdapterError where the
+    adapter raises.
     """
     unsupported = [(sample, trial.setting) for sample in SAMPLES if trial.obstacle(sample) is not None]
     unsupported += [(PLAIN, setting) for setting in Setting if setting not in trial.engine.abilities.settings]
@@ -157,7 +168,7 @@ def check_refusals(trial: EngineTrial) -> None:
 
 
 def check_claims(trial: EngineTrial) -> None:
-    """Raise AssertionError unless every sample within its abilities is run.
+    """Raise AssertionError unless every sample within its abilities is run to its end.
 
     Raises NotTestedError, with the reasons, if it refuses some for reasons that its abilities cannot state.
     """
@@ -172,12 +183,15 @@ def check_claims(trial: EngineTrial) -> None:
 
 
 def _with_first_body(scene: Scene, **changes: object) -> Scene:
-    """A copy of a scene with other fields of its first body."""
+    """A copy of a scene with other fields of its first body; ``changes`` are their values by name."""
     return replace(scene, bodies=(replace(scene.bodies[0], **changes), *scene.bodies[1:]))  # type: ignore[arg-type]
 
 
 def _with_first_pin(scene: Scene, **changes: object) -> Scene:
-    """A copy of a scene with other fields of the pin that is last in it, which is moved to the front."""
+    """A copy of a scene with other fields of the pin that is last in it, which is moved to the front.
+
+    ``changes`` are their values by name.
+    """
     return replace(scene, pins=(replace(scene.pins[-1], **changes), *scene.pins[:-1]))  # type: ignore[arg-type]
 
 
@@ -197,7 +211,10 @@ BAD_SCENES: Final[Mapping[str, Callable[[Scene], Scene]]] = {
 
 
 def check_bad_data(trial: EngineTrial) -> None:
-    """Raise AssertionError unless unusable data give an outcome with a reason, without an exception or a crash."""
+    """Raise AssertionError unless unusable data give an outcome with a reason, without an exception or a crash.
+
+    Raises AdapterError for an exception of the adapter.
+    """
     for words, spoil in BAD_SCENES.items():
         run = run_engine(trial.engine, spoil(scene_of(PLAIN)), trial.setting)
         assert run.outcome is not Outcome.FINISHED, (
@@ -208,7 +225,10 @@ def check_bad_data(trial: EngineTrial) -> None:
 
 
 def check_recording(trial: EngineTrial) -> None:
-    """Raise AssertionError unless exactly the requested and offered channels are recorded, and this changes no step."""
+    """Raise AssertionError unless exactly the requested and offered channels are recorded, and this changes no step.
+
+    Each channel is requested alone, of the plain sample in ``tuned``.
+    """
     steps = trial.run(PLAIN).steps
     for channel in Channel:
         scene = case(PLAIN).scene(frozenset({channel}))
@@ -227,7 +247,10 @@ def check_recording(trial: EngineTrial) -> None:
 
 
 def check_repetition(trial: EngineTrial) -> None:
-    """Raise AssertionError unless two runs of one scene agree to the last bit."""
+    """Raise AssertionError unless two runs of the plain sample in ``tuned`` agree to the last bit.
+
+    Raises NotTestedError where the engine has no such run.
+    """
     first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
     pairs = zip(readings(scene_of(PLAIN), first), readings(scene_of(PLAIN), second), strict=True)
@@ -239,7 +262,10 @@ def check_repetition(trial: EngineTrial) -> None:
 
 
 def check_settings(trial: EngineTrial) -> None:
-    """Raise AssertionError unless every setting that is claimed runs under every drive that is claimed."""
+    """Raise AssertionError unless every setting that is claimed runs to its end under every drive that is claimed.
+
+    The drives are those of the plain and of the released sample.
+    """
     for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
         for setting in sorted(trial.engine.abilities.settings):
             run = trial.run(sample, setting)
@@ -273,7 +299,10 @@ def check_origins(trial: EngineTrial) -> None:
 
 
 def check_silence(trial: EngineTrial) -> None:
-    """Raise AssertionError if a run, made or refused, writes to standard output or error, be it by C code."""
+    """Raise AssertionError if a run, made or refused, writes to standard output or error, be it by C code.
+
+    What it writes is caught and not shown.
+    """
     with tempfile.NamedTemporaryFile("a+") as written:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
             run_engine(trial.engine, scene_of(PLAIN), trial.setting)
@@ -320,7 +349,10 @@ CHECKS: Final[Mapping[str, EngineCheck]] = {check.name: check for check in _CHEC
 
 
 def examine(pickled: bytes, name: str) -> CheckResult:
-    """The result of the check of this name, made with a pickled engine in this process, which keeps its runs."""
+    """The result of the check of this name, made with a pickled engine in this process, which keeps its runs.
+
+    Raises KeyError for another name, and any exception that ``EngineCheck.result`` does not report.
+    """
     return CHECKS[name].result(_unpickle_trial(pickled))
 
 
@@ -333,7 +365,8 @@ def _unpickle_trial(engine: bytes) -> EngineTrial:
 def run_in_workers(engine: Engine, names: list[str], processes: int | None = None) -> list[CheckResult]:
     """The results of checks by name, in their order, made in worker processes; a check that brings one down has failed.
 
-    ``processes`` is their number, as many as cores by default.
+    ``processes`` is their number, as many as cores by default, 0 for this process. Of an engine that cannot be pickled
+    nothing is tested. Raises LinkproofError where no worker can start.
     """
     try:
         pickled = pickle.dumps(engine)
@@ -346,7 +379,7 @@ def run_in_workers(engine: Engine, names: list[str], processes: int | None = Non
 
 
 def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
-    """The result of a check made in a worker: a failure if the worker was lost."""
+    """The result of a check made in a worker: a failure, with the cure, if the worker was lost."""
     if not isinstance(result, Lost):
         return result
     gives_up = "end every run with an outcome and a reason"
@@ -358,7 +391,10 @@ def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
 
 
 def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
-    """The result, as an expected failure if its check is in ``expected``; one there that passes becomes a failure."""
+    """The result, as an expected failure if its check is in ``expected``; one there that passes becomes a failure.
+
+    ``expected`` has the reasons by the checks' names.
+    """
     reason = expected.get(result.check)
     if reason is None:
         return result
@@ -375,7 +411,9 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
 
     All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
     pass, or fail as expected, so that one cause is named once. Of an engine that cannot be used, or whose adapter
-    cannot be loaded, that is the only result. ``processes`` is the number of workers.
+    cannot be loaded, that is the only result. A name among the engine's ``expected_failures`` that no check has is a
+    failure, too. ``processes`` is the number of workers, as many as cores by default. Raises LinkproofError where none
+    can start.
     """
     if isinstance(engine, Unusable):
         return [CHECKS[INSTALLED].result(EngineTrial(engine))]

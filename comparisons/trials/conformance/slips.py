@@ -47,9 +47,9 @@ SHIFTS: Final = (-1.0, -0.5, 0.5, 1.0)  # samples
 
 
 def likeliest_misreading(right: Reading, wrong: Array) -> str:
-    """The slip that leaves the least error of ``wrong`` values (n, k), in words.
+    """The slip that leaves the least error of ``wrong`` values (n, k), in words; "" where none leaves a tenth or less.
 
-    "" where none leaves a tenth or less.
+    ``right`` reads the signal from the closed form.
     """
     left, words = min((_largest(wrong - values), words) for words, values in misread(right, wrong))
     return words if left <= EXPLAINED * _largest(wrong - right.values) else ""
@@ -64,7 +64,8 @@ def _largest(values: Array) -> float:
 def misread(right: Reading, wrong: Array) -> Iterator[tuple[str, Array]]:
     """Yield every slip that may befall a signal, in words, with the values (n, k) that it makes of it.
 
-    Of all factors it is the one that comes nearest to the ``wrong`` values.
+    ``right`` reads the signal from the closed form. Of all factors the one that comes nearest to the ``wrong`` values
+    (n, k) is tried.
     """
     values, channel, time = right.values, right.channel, right.time
     factor = float(np.vdot(values, wrong) / (np.vdot(values, values) or 1.0))
@@ -123,7 +124,7 @@ def _bodies(reading: Reading) -> list[str]:
 
 
 def _in_body_frame(reading: Reading, body: str) -> Array:
-    """A vector (n, 2) in the frame of a body."""
+    """A vector (n, 2) in the frame of a body, named, that turns with it."""
     angle = reading.channel_values(Channel.POSITION, body, reading.time)[:, 2]
     c, s, (x, y) = np.cos(angle), np.sin(angle), reading.values.T
     return np.column_stack([c * x + s * y, c * y - s * x])
@@ -137,7 +138,10 @@ def _anchors(reading: Reading) -> dict[str, tuple[float, float]]:
 
 
 def _at_anchor(reading: Reading, anchor: tuple[float, float]) -> Array:
-    """Place (n, 2), m, of a body's point, or its velocity or acceleration, as the reading's channel is."""
+    """Place (n, 2), m, of a body's point, or its velocity or acceleration, as the reading's channel is.
+
+    ``anchor`` is the point in the body's frame, from its mass centre, m.
+    """
     order = LEVELS.index(reading.channel)
     position, *rates = (reading.channel_values(level, reading.name, reading.time) for level in LEVELS[: order + 1])
     c, s, (x, y) = np.cos(position[:, 2]), np.sin(position[:, 2]), anchor
@@ -211,7 +215,8 @@ def history_with(
 ) -> History | None:
     """The history of a sample by a copy of the engine that has another function as its ``method``; None if it gives up.
 
-    Raises NotTestedError where the engine has no such method.
+    ``other`` is called as the method named is, without the engine. Raises NotTestedError where the engine has no such
+    method, AdapterError where the adapter raises.
     """
     if not hasattr(trial.engine, method):
         raise NotTestedError(f"{trial.engine.name} has no '{method}' to replace, as a SteppedEngine has")
@@ -221,14 +226,17 @@ def history_with(
 
 
 def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
-    """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead; None if it gives up."""
+    """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead; None if it gives up.
+
+    Raises NotTestedError where the engine builds them in no method ``altered``.
+    """
     return history_with(trial, "altered", lambda scene: wrong.scene(scene.channels), sample)
 
 
 def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None:
     """The engine's history of a sample if it builds its worlds from the ``wrong`` sample instead.
 
-    None if it gives up.
+    None if it gives up. Raises NotTestedError where ``in_world`` does.
     """
     return in_world(sample, wrong.case, trial)
 
@@ -236,8 +244,8 @@ def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None
 def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> History | None:
     """The engine's history if bodies start with ``kept`` of their velocity and what ``moved`` steps add.
 
-    None if it gives up. Raises NotTestedError where these change nothing, as in an engine that takes them from its
-    joints and drive.
+    Both are shares: of the right velocity, and of the step, over which the start accelerations act. None if it gives
+    up. Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive.
     """
     step = moved * min(trial.run(sample).passes, default=0.0)
 
@@ -268,20 +276,20 @@ def _is_same(history: History, other: History) -> bool:
 
 
 def _lagging(signal: Signal) -> Array:
-    """The signal's values half a sample too early for their times: it lags."""
+    """The signal's values (n, ...), each half a sample too early for its time: it lags."""
     time = signal.time
     return resample(signal, np.clip(time - 0.5 * np.gradient(time), time[0], time[-1]))
 
 
 def _with_late_start(signal: Signal) -> Array:
-    """The signal's values, the first one replaced by that of half a step later."""
+    """The signal's values (n, ...), the first one replaced by that of half a step later."""
     time = signal.time.copy()
     time[0] += 0.5 * (time[1] - time[0])
     return resample(signal, time)
 
 
 def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], trial: EngineTrial) -> History:
-    """The engine's own history of a sample, with a channel altered by a ``slip``.
+    """The engine's own history of a sample, with a channel altered by a ``slip``, which makes values of a signal.
 
     Raises NotTestedError without the channel.
     """
@@ -295,7 +303,8 @@ def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], tri
 def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
     """The engine's history with its runs at several steps combined by the weights of ``weigh``; None if it gives up.
 
-    Raises NotTestedError where its best setting is one run.
+    ``weigh(steps, orders)`` gives a weight to each run from the runs' steps, s, and the orders of their errors. Raises
+    NotTestedError where its best setting is one run.
     """
     trial.finished_history(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:
@@ -304,7 +313,7 @@ def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
 
 
 def _slightly_wrong_weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
-    """Richardson's weights with an error of 1e-6 in the first one."""
+    """Richardson's weights of runs at these ``steps``, s, for errors of these orders, the first one 1e-6 too large."""
     right = weights(steps, orders)
     right[0] += 1e-6
     return right

@@ -87,7 +87,10 @@ SAMPLES: Final[Mapping[str, Sample]] = {
 
 @cache
 def case(name: str) -> Case:
-    """The case of a sample by name, shared by all callers, so that its closed form is computed once."""
+    """The case of a sample by name, shared by all callers, so that its closed form is computed once.
+
+    Raises KeyError for another name.
+    """
     return SAMPLES[name].case
 
 
@@ -118,7 +121,10 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class EngineCheck:
-    """One property that an adapter must have; ``examine`` raises AssertionError, with a sentence, where it has not."""
+    """One property that an adapter must have; ``examine`` raises AssertionError, with a sentence, where it has not.
+
+    ``about`` says in words what the property is.
+    """
 
     name: str
     about: str
@@ -127,7 +133,7 @@ class EngineCheck:
     def result(self, trial: EngineTrial) -> CheckResult:
         """Result of the check, made in this process: passed, failed or not tested, with a sentence.
 
-        It raises nothing of these.
+        An AssertionError and an AdapterError make it failed, a NotTestedError not tested; other exceptions are raised.
         """
         try:
             with blamed_on(trial.engine):
@@ -164,7 +170,7 @@ class EngineTrial:
 
     @property
     def setting(self) -> Setting:
-        """``tuned`` or, if the engine lacks it, another setting that it offers."""
+        """``tuned`` or, if the engine lacks it, the first of its settings by the alphabet."""
         settings = self.engine.abilities.settings
         return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
 
@@ -173,7 +179,10 @@ class EngineTrial:
         return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
 
     def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:
-        """The engine's run of a sample, made once and kept; raises AdapterError."""
+        """The engine's run of a sample, by name, made once and kept, however it ended.
+
+        Raises AdapterError where the adapter raises or violates the contract.
+        """
         if (sample, setting) not in self._runs:
             self._runs[sample, setting] = run_engine(self.engine, scene_of(sample), setting)
         return self._runs[sample, setting]
@@ -199,7 +208,7 @@ class EngineTrial:
         return run.history
 
     def histories(self) -> Iterator[tuple[str, Scene, History]]:
-        """Yield name, scene and history of each sample that the engine takes.
+        """Yield name, scene and history of each sample that the engine takes, in ``tuned``.
 
         Raises NotTestedError where the plain one is not among them, AssertionError where a run does not finish.
         """
@@ -211,13 +220,19 @@ class EngineTrial:
                     raise
 
     def rows(self, sample: str, setting: Setting) -> Mapping[str, bool]:
-        """Whether each judged row of the engine's run of a sample has failed, by quantity; joints in one row."""
+        """Whether each judged row of the engine's run of a sample has failed, by quantity or check; joints in one row.
+
+        The result is kept. Raises what ``finished_history`` raises.
+        """
         if (sample, setting) not in self._rows:
             self._rows[sample, setting] = self.judged_rows(sample, setting, self.finished_history(sample, setting))
         return self._rows[sample, setting]
 
     def judged_rows(self, sample: str, setting: Setting, history: History) -> Mapping[str, bool]:
-        """Whether each judged row of a ``history`` of a sample has failed, by quantity; joints in one row."""
+        """Whether each judged row of a ``history`` of a sample has failed, by quantity or invariant; joints in one row.
+
+        Rows that share a part with the reference are left out. The limits are those of the setting.
+        """
         of, motion = case(sample), ObservedMotion(scene_of(sample), history)
         run = compared(of, motion, all_quantities(of).values(), run_of(of, setting, self.engine.name), self.engine)
         failed: dict[str, bool] = {}

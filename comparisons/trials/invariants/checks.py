@@ -66,7 +66,10 @@ def energy(motion: ObservedMotion, time: Array) -> Array:
 
 
 def energy_scale(motion: ObservedMotion) -> float:
-    """The scale of energy errors, J: the sum of peak kinetic energy, potential range and other loads' work."""
+    """The scale of energy errors, J: the sum of peak kinetic energy, potential range and other loads' work.
+
+    The work is the largest of loads without a potential, from the first sample on.
+    """
     time = motion.signal(Channel.POSITION).time
     work = integral(Signal(time, motion.load_power(time)), ())
     stored = np.ptp(motion.potential_energy(time))
@@ -75,7 +78,10 @@ def energy_scale(motion: ObservedMotion) -> float:
 
 @dataclass(frozen=True)
 class Balance:
-    """What a balance that should be 0 gains at the samples of a clock, with an estimate and a bound of its error."""
+    """What a balance that should be 0 gains at the samples of a clock, with an estimate and a bound of its error.
+
+    All are (n,); ``time`` is in s, the others are in the balance's unit.
+    """
 
     time: Array
     gained: Array
@@ -84,7 +90,7 @@ class Balance:
 
     @property
     def excess(self) -> Array:
-        """The gain beyond the error bound, which certainly has no source."""
+        """The gain (n,) beyond the error bound, with its sign, which certainly has no source."""
         return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 
@@ -134,7 +140,10 @@ def angle_error_from_energy(inspection: Inspection) -> Signal:
 
 
 def _start_excess(motion: ObservedMotion, first: Array) -> float:
-    """Energy of the first sample beyond that of the start state and the work since, J; ``first`` is its time."""
+    """Energy of the first sample beyond that of the start state and the work since, J.
+
+    ``first`` (1,) is its time, s.
+    """
     scene, clock = motion.scene, np.zeros(1)
     position, velocity = (np.asarray(part[:, :-1], dtype=float) for part in start_motion(scene)[:2])
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
@@ -146,7 +155,10 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
 
 
 def speed_drift(inspection: Inspection) -> Signal:
-    """Crank speed less that from the start state and the claimed acceleration, and less its error, over its peak."""
+    """Crank speed less that from the start state and the claimed acceleration, and less its error, over its peak.
+
+    It is never negative, on the clock of the velocities, which 0 s precedes if they begin later.
+    """
     motion, start = inspection.motion, inspection.start
     time = motion.signal(Channel.VELOCITY).time
     rate = inspection.relaxation_rate(time)
@@ -166,7 +178,10 @@ def joint_gaps(motion: ObservedMotion) -> Signal:
 
 
 def closure(inspection: Inspection) -> dict[str, Signal]:
-    """``Inspection.corrections`` by level and, for a released crank, ``drift``: speed against acceleration."""
+    """``Inspection.corrections`` by level and, for a released crank, ``drift``: speed against acceleration.
+
+    Keys are "position", "velocity", "acceleration" and "drift", which is ``speed_drift``.
+    """
     drift = {"drift": speed_drift(inspection)} if isinstance(inspection.motion.scene.drive, Free) else {}
     return inspection.corrections() | drift
 
@@ -185,7 +200,10 @@ def crank_phase(inspection: Inspection) -> Signal:
 
 
 def _largest_gap(inspection: Inspection) -> float:
-    """Largest way of the driver between two samples, rad or m, if more than half a turn, or a turn's way; else 0."""
+    """Largest way of the driver between two samples, rad or m, of any signal; 0 if no more than half a turn.
+
+    Of a linear drive half a turn counts as π times the scene's size.
+    """
     motion = inspection.motion
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
@@ -194,9 +212,10 @@ def _largest_gap(inspection: Inspection) -> float:
 
 
 def steady_turn(motion: ObservedMotion) -> tuple[float, float] | None:
-    """Start and end, s, of a turn in the middle of the last piece at constant speed that has one; None without one.
+    """Start and end, s, of a turn in the middle of the last piece at constant speed that has one.
 
-    In the middle there are samples on both sides, and what a jump before the piece has stirred up has died down.
+    None without one, as for a released crank or a linear drive. In the middle there are samples on both sides, and what
+    a jump before the piece has stirred up has died down.
     """
     drive, found = motion.scene.drive, None
     if motion.is_linear or isinstance(drive, Free):
@@ -219,7 +238,7 @@ def weight_on_frame(inspection: Inspection) -> Balance:
     """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
 
     One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes,
-    infinite for too few samples. There must be a ``steady_turn``.
+    infinite for too few samples. Raises AssertionError without a ``steady_turn``.
     """
     motion, turn = inspection.motion, steady_turn(inspection.motion)
     assert turn is not None
@@ -234,7 +253,7 @@ def weight_on_frame(inspection: Inspection) -> Balance:
 
 
 def _mean_force(motion: ObservedMotion, time: Array) -> Array:
-    """The mean over these times of all forces on the bodies from outside, the frame's joints included, (2,), N."""
+    """The mean over these times, s, of all forces on the bodies from outside, the frame's joints included, (2,), N."""
     scene = motion.scene
     loads = applied_loads(scene, motion.pose(time), motion.bodies(Channel.VELOCITY, time))[:, :-1, :2]
     total = np.mean(np.sum(loads, axis=1), axis=0)
@@ -267,7 +286,9 @@ Found = tuple[Signal | Balance, float, int]  # what should be zero, over what sc
 class Invariant:
     """What an invariant ``needs`` of a history, the ``unit`` of its scale, and how it is ``found``.
 
-    ``is_balance``: of masses and loads, so that without them it says nothing, and friction is no part of it.
+    ``found(case, inspection)`` gives a ``Found``: what should be zero, its scale in ``unit``, and the number of samples
+    that the engine has. ``is_balance``: of masses and loads, so that without them it says nothing, and friction is no
+    part of it.
     """
 
     needs: tuple[Channel, ...]
@@ -293,7 +314,10 @@ def _joint_gap(case: Case, inspection: Inspection) -> Found:
 
 
 def _closure(case: Case, inspection: Inspection) -> Found:
-    """The corrections of all levels in one signal, their scale, 1, and the number of samples."""
+    """The corrections of all levels in one signal, their scale, 1, and the number of samples.
+
+    Samples beside change points are left out, and those of accelerations at jumps.
+    """
     levels = closure(inspection)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _without_jumps(case, levels[Channel.ACCELERATION.value])
@@ -303,7 +327,10 @@ def _closure(case: Case, inspection: Inspection) -> Found:
 
 
 def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
-    """The torque required by the motion less the engine's, N m, its scale, N m, and its number of samples."""
+    """The torque required by the motion less the engine's, N m, its scale, N m, and its number of samples; N if linear.
+
+    Over change points it is bridged by a smooth curve; samples at jumps of the acceleration are left out.
+    """
     motion, bridged = inspection.motion, inspection.bridge_changes(inspection.torque_required(), case.motion.jumps)
     required = _without_jumps(case, bridged)
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
@@ -311,7 +338,7 @@ def _torque_two_routes(case: Case, inspection: Inspection) -> Found:
 
 
 def _force_balance(case: Case, inspection: Inspection) -> Found:
-    """The imbalance of joint forces over their peak, its scale 1 and its number of samples."""
+    """The imbalance of joint forces over their peak, its scale 1 and its number of samples, those at jumps left out."""
     return _without_jumps(case, inspection.force_balance()), 1.0, _samples(inspection, Channel.ACCELERATION)
 
 
@@ -343,9 +370,10 @@ LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Error) -> tuple[Error, ...]:
-    """The judged records of all invariants that apply; one that lacks a channel says so.
+    """The judged records of all invariants that apply; one that lacks a channel, or says nothing here, has the reason.
 
-    ``blank`` has the fields that all share.
+    ``blank`` has the fields that all share. Those of forces apply where the scene has that channel, ``weight_on_frame``
+    where there are weights and a turn at constant speed.
     """
     return tuple(_each_check(case, motion, blank))
 
@@ -387,7 +415,10 @@ def _is_switched(scene: Scene) -> bool:
 
 
 def assur_groups(mechanism: Mechanism) -> list[AssurGroup]:
-    """The Assur groups of a linkage, which follow from its joints, with change points, which do from lengths."""
+    """The Assur groups of a linkage, which follow from its joints, with change points, which do from lengths.
+
+    They are in an order in which they can be solved.
+    """
     groups, links = list[AssurGroup](), mechanism.linkage.links
     for group in mechanism.structure.groups:
         known = group.changes if isinstance(group, ClosedGroup) else None
@@ -410,7 +441,7 @@ def _missing_channels(motion: ObservedMotion, invariant: Invariant) -> str:
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:
-    """The scale of torque errors, N m: the peak drive torque, or a released crank's peak of Jeq ε if larger."""
+    """The scale of torque errors, N m or N: the peak drive torque, or a released crank's peak of Jeq ε if larger."""
     peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
     if case.is_prescribed:
         return peak
@@ -422,7 +453,7 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 
 
 def _without_jumps(case: Case, signal: Signal) -> Signal:
-    """A signal without its samples at acceleration jumps, where the true value is not unique."""
+    """A signal without its samples in the windows at acceleration jumps, where the true value is not unique."""
     smooth = ~near_jumps(signal.time, case.motion)
     return Signal(signal.time[smooth], signal.values[smooth])
 
@@ -434,9 +465,10 @@ def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
 
 
 def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Error:
-    """The judged record of a signal that should be zero, relative to a scale; ``total`` counts all samples.
+    """The judged record of a signal (n,) that should be zero, relative to a scale; ``total`` counts all samples.
 
-    Samples without a value are left out. Without a single value nothing is judged, and nothing has passed.
+    Samples without a value, nan, are left out. Without a single value nothing is judged, and nothing has passed. Fields
+    that are not found here are those of ``blank``.
     """
     defined = ~np.isnan(signal.values)
     time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)

@@ -51,7 +51,7 @@ class AssurGroups:
     """
 
     def __init__(self, equations: JointEquations, groups: Iterable[AssurGroup]) -> None:
-        """Take the groups in an order in which they can be solved."""
+        """Take the groups of the equations' linkage in an order in which they can be solved."""
         self.equations = equations
         self._pins = self._pin_points()
         self.blocks: list[tuple[Numbers, Numbers]] = []
@@ -63,7 +63,7 @@ class AssurGroups:
             placed |= {*bodies}
 
     def _rows_of(self, bodies: tuple[str, ...], placed: set[str]) -> list[tuple[int, int]]:
-        """Rows of the joints between these bodies, and between them and placed bodies, as pairs of numbers.
+        """Rows of the joints between these bodies, and between them and ``placed`` bodies, as pairs of numbers.
 
         The equation is the first row less the second; of no second one the number is ``equations.rows``.
         """
@@ -85,7 +85,7 @@ class AssurGroups:
         return rows
 
     def _constraints(self) -> list[tuple[int, int, int]]:
-        """Rows of guides, locked turns and a cylinder, each with the numbers of its two bodies."""
+        """Rows of guides, locked turns and a cylinder, each as (row, body, body), all numbers in ``equations``."""
         equations = self.equations
         constraints = [
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
@@ -96,7 +96,10 @@ class AssurGroups:
         return constraints
 
     def _pin_points(self) -> list[list[tuple[str, int]]]:
-        """The bodies on every pin with the number of their joint: any of them can be the others' seat."""
+        """For every place of pins its bodies, each with the number of its pin: any of them can be the others' seat.
+
+        The body that has the place has the number ``equations.rows``.
+        """
         points: dict[tuple[str, Vector], list[tuple[str, int]]] = {}
         for number, pin in enumerate(self.equations.scene.pins):
             seat = points.setdefault((pin.second, pin.second_anchor), [(pin.second, self.equations.rows)])
@@ -104,9 +107,10 @@ class AssurGroups:
         return list(points.values())
 
     def determinants(self, jacobian: Reals) -> Reals:
-        """Determinant of every group's equations over the product of its rows' lengths, (instants, groups): no unit.
+        """Determinant of every group's equations over the product of its rows' lengths, (instants, 1 + groups).
 
-        Its sign tells the two assembly modes of a group apart; it is 0 where they meet.
+        It has no unit. The first column, the crank's, is 1. Its sign tells the two assembly modes of a group apart; it
+        is 0 where they meet. ``jacobian`` is (instants, equations, coordinates).
         """
         groups = [np.ones(len(jacobian))]
         for rows, columns in self.blocks:
@@ -137,7 +141,10 @@ class Corrected:
         return self.groups.equations
 
     def observed(self, order: int) -> Array:
-        """Position, velocity or acceleration (order 0, 1, 2) of every body, (instants, bodies, 3), by the engine."""
+        """Position, velocity or acceleration (order 0, 1, 2) of every body, (instants, bodies, 3), by the engine.
+
+        It is in units and rad, or these per s or s².
+        """
         return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
@@ -180,7 +187,8 @@ class Corrected:
     def _solve_correction(self, residual: Reals, order: int) -> Array:
         """The coordinates, (instants, bodies, 3), that take a residual away, as of an order; ``residual`` is changed.
 
-        What slides without turning keeps its angle.
+        ``residual`` is (instants, equations), of positions, velocities or accelerations for ``order`` 0, 1 or 2; the
+        drive's target is taken from it in place. What slides without turning keeps its angle.
         """
         equations, bodies = self.equations, self.equations.scene.bodies
         residual[:, equations.crank_row] -= self.crank_target(order)
@@ -216,7 +224,7 @@ class Corrected:
 
     @cached_property
     def determinants(self) -> Array:
-        """Determinants of every group's equations, (instants, groups); see ``AssurGroups.determinants``."""
+        """Determinants of every group's equations, (instants, 1 + groups); see ``AssurGroups.determinants``."""
         return np.asarray(self.groups.determinants(self.jacobian), dtype=float)
 
     @cached_property
@@ -253,8 +261,8 @@ class Findings:
     """The findings of the joints' equations on a motion at the samples of one clock, up to an order.
 
     ``lacking`` and ``moving``, (n, orders), are the size of the largest correction of any body and of the largest
-    motion of any: displacements over the scene's size, turns in rad. ``determinants`` is (n, groups). ``torque`` (n,),
-    N m, and ``forces`` (n, joints, 2), N, of the accelerations' clock are what the motion requires; else empty.
+    motion of any: displacements over the scene's size, turns in rad. ``determinants`` is (n, 1 + groups). ``torque``
+    (n,), N m, and ``forces`` (n, joints, 2), N, of the accelerations' clock are what the motion requires; else empty.
     """
 
     time: Array
@@ -266,7 +274,10 @@ class Findings:
 
 
 def findings(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Findings:
-    """The findings on a motion at the times (n,) up to an order, in blocks so that the memory stays small."""
+    """The findings on a motion at the times (n,), s, up to an order, in blocks so that the memory stays small.
+
+    ``order`` is 0 for positions alone, 1 with velocities, 2 with accelerations, torque and forces.
+    """
     blocks = [
         _findings_of_block(Corrected(motion, groups, time[start : start + BLOCK]), order)
         for start in range(0, len(time), BLOCK)
@@ -285,7 +296,7 @@ def _findings_of_block(state: Corrected, order: int) -> tuple[Array, ...]:
 
 
 def largest_displacement(states: Array) -> Array:
-    """Largest displacement or turn of any body at each instant, (instants,), of (instants, bodies, 3)."""
+    """Largest displacement or turn of any body at each instant, (instants,), of states (instants, bodies, 3)."""
     return np.asarray(np.max(np.maximum(np.hypot(states[..., 0], states[..., 1]), np.abs(states[..., 2])), axis=1))
 
 
@@ -309,7 +320,8 @@ def accumulate_errors(start: float, shares: Array, added: Array) -> Array:
 def undissipated_error(gained: Array, rate: Array, time: Array) -> Array:
     """An energy error, J, less what dampers dissipate of it at a ``rate``, 1/s: h' = δE' − rate · h.
 
-    More speed is damped more: a power D taken of the kinetic energy T takes D/T of any error in it.
+    ``gained``, ``rate`` and the result are (n,), at ``time``, s. More speed is damped more: a power D taken of the
+    kinetic energy T takes D/T of any error in it.
     """
     decay = np.diff(time) * 0.5 * (rate[1:] + rate[:-1])
     spread = -np.expm1(-decay) / np.maximum(decay, TINY)
@@ -319,9 +331,9 @@ def undissipated_error(gained: Array, rate: Array, time: Array) -> Array:
 def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, start: float) -> Array:
     """|ω − what the claimed acceleration makes of it|, rad/s, (n,), beyond the error of coarse samples.
 
-    ``rate`` is b/Jeq, 1/s, with which a speed relaxes; ``start`` is the first sample's own error. Between samples the
-    drive and loads, ε + rate · ω, are taken to be smooth, not ε itself, which may be over within a fraction of a step.
-    0 for too few samples.
+    ``speed``, ``acceleration`` and ``rate`` are (n,), at ``time``, s. ``rate`` is b/Jeq, 1/s, with which a speed
+    relaxes; ``start`` is the first sample's own error, rad/s. Between samples the drive and loads, ε + rate · ω, are
+    taken to be smooth, not ε itself, which may be over within a fraction of a step. 0 for too few samples.
     """
     errors = accumulate_errors(start, *_error_per_step(time, speed, acceleration, rate))
     if len(time) < 4 * POINTS:
@@ -333,7 +345,10 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
 
 
 def _error_per_step(time: Array, speed: Array, acceleration: Array, rate: Array) -> tuple[Array, Array]:
-    """For each step, the share of a speed error that it leaves, and the error that it adds."""
+    """For each step, the share of a speed error that it leaves, and the error that it adds, two arrays (n - 1,).
+
+    Arguments are those of ``speed_errors``.
+    """
     push, step = acceleration + rate * speed, np.diff(time)
     decay = step * 0.5 * (rate[1:] + rate[:-1])
     shares = np.exp(-decay)
@@ -398,7 +413,10 @@ class Inspection:
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:
-        """The findings at a channel's sample times; raises KeyError for a channel on a clock that no level has."""
+        """The findings at a channel's sample times; raises KeyError for a channel on a clock that no level has.
+
+        The levels are position, velocity and acceleration.
+        """
         return self._findings[self.motion.signal(channel).time.tobytes()]
 
     def corrections(self) -> dict[str, Signal]:
@@ -420,7 +438,7 @@ class Inspection:
         return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
 
     def _start_modes(self) -> Array:
-        """Sign of every group's determinant in the start state; of one that starts at a change point, soon after."""
+        """Sign of every group's determinant in the start state, (1 + groups,); of one that starts at 0, soon after."""
         equations = self.groups.equations
         first = self.groups.determinants(equations.jacobian(equations.arms(equations.start())))
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
@@ -429,11 +447,14 @@ class Inspection:
 
     @cached_property
     def _group_changes(self) -> list[tuple[int, float]]:
-        """The change points of all groups: the group's number among the determinants, and φ, rad."""
+        """The change points of all groups: the group's number among the determinants, from 1, and φ, rad."""
         return [(number, change) for number, group in enumerate(self.assur, start=1) for change in group.changes]
 
     def _mode_signs(self, time: Array) -> Array:
-        """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
+        """-1 where a group has passed an odd number of its change points since the start, else 1; (n, 1 + groups).
+
+        ``time`` (n,) is in s; the first column is the crank's.
+        """
         angle = self.motion.crank(Channel.POSITION, time)
         start = start_coordinate(self.motion.scene) if self._group_changes else 0.0
         result = np.ones((len(time), 1 + len(self.groups.blocks)))
@@ -443,9 +464,10 @@ class Inspection:
         return result
 
     def beside_changes(self, time: Array) -> Booleans:
-        """Where a group is at its change point or a few samples from it, (n, groups): it moves on smoothly there.
+        """Where a group is at its change point or a few samples from it, (n, 1 + groups): it moves on smoothly there.
 
-        The determinant is small there, and corrections, which are divided by it, are mere rounding.
+        The determinant is small there, and corrections, which are divided by it, are mere rounding. ``time`` (n,) is in
+        s; the first column is the crank's.
         """
         angle = self.motion.crank(Channel.POSITION, time)
         reach = (
@@ -460,7 +482,8 @@ class Inspection:
     def bridge_changes(self, signal: Signal, jumps: tuple[float, ...]) -> Signal:
         """A signal (n,) that has beside change points the values of a smooth curve through its samples around them.
 
-        They are nan where there are too few samples around, a jump of the acceleration, or no such curve.
+        They are nan where there are too few samples around, one of the ``jumps`` of the acceleration, s, or no such
+        curve. The signal itself is not changed.
         """
         beside, values = np.asarray(self.beside_changes(signal.time).any(axis=1)), signal.values.copy()
         edges = np.flatnonzero(np.diff(np.concatenate([[False], beside, [False]]).astype(int)))
@@ -479,7 +502,11 @@ class Inspection:
         return Signal(result.time[within], result.torque[within])
 
     def force_balance(self) -> Signal:
-        """The largest difference of any joint's force from what balances the bodies, over its peak, over time."""
+        """The largest difference of any joint's force from what balances the bodies, over its peak, over time.
+
+        At the accelerations' times that all claimed forces span; a force too faint is over a share of the largest one's
+        peak.
+        """
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = self.motion.scene.joints
         clocks = [claimed[joint.name].time for joint in joints]
@@ -496,7 +523,7 @@ class Inspection:
         return Signal(time, worst)
 
     def unresolved_intervals(self, time: Array) -> Booleans:
-        """Which intervals of a clock, (n - 1,), the motion changes in faster than its samples can show.
+        """Which intervals of a clock (n,), s, (n - 1,), the motion changes in faster than its samples can show.
 
         Beside a dead position a group's determinant changes by much of itself from sample to sample; a piece of the
         prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a
@@ -541,7 +568,7 @@ class Inspection:
 def _bridge(signal: Signal, beside: Booleans, gap: slice, jumps: tuple[float, ...]) -> Array:
     """Values for a ``gap`` of a signal, by a polynomial through the samples around that are not ``beside``.
 
-    Nan without one. There is none over a jump, or where it misses the samples.
+    Nan without one. There is none over one of the ``jumps``, s, or where it misses the samples.
     """
     time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
     low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
