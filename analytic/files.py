@@ -24,9 +24,9 @@ REASONS: Final = {
 
 
 def read_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> bytes:
-    """The content of a file of at most ``largest`` bytes.
+    """The content of a regular file of at most ``largest`` bytes.
 
-    Raises LinkproofError, which says what was ``expected``, for others.
+    Raises LinkproofError, which says what was ``expected``, for a path that is none, is larger or cannot be read.
     """
     check_file(path, expected, largest)
     try:
@@ -41,7 +41,7 @@ def read_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> bytes:
 
 
 def check_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> None:
-    """Raise LinkproofError unless a path is a readable file of at most ``largest`` bytes.
+    """Raise LinkproofError unless a path is a readable regular file of at most ``largest`` bytes.
 
     The message says what was ``expected``.
     """
@@ -51,14 +51,14 @@ def check_file(path: Path, expected: str, largest: int = LARGEST_TEXT) -> None:
 
 
 def _error(path: Path, expected: str, fault: str) -> LinkproofError:
-    """The error for a path that is not what was ``expected``; ``fault`` ends its sentence."""
+    """The error, not raised, for a path that is not what was ``expected``; ``fault`` ends its sentence."""
     return LinkproofError(f"expected {expected}, got '{path}', which {fault}")
 
 
 def file_fault(path: Path, largest: int = LARGEST_TEXT) -> str | None:
-    """The fault of a path as the end of a sentence, with the remedy.
+    """The fault of a path as the end of a sentence, after "which", with the remedy.
 
-    None for a readable file of at most ``largest`` bytes.
+    None for a readable regular file of at most ``largest`` bytes.
     """
     try:
         status = path.stat()
@@ -72,7 +72,10 @@ def file_fault(path: Path, largest: int = LARGEST_TEXT) -> str | None:
 
 
 def _reason(error: OSError | ValueError) -> str:
-    """The reason, in words, why a path cannot be used; a null character in it raises a ValueError."""
+    """The reason why a path cannot be used, as the end of a sentence, after "which".
+
+    A null character in it raises a ValueError.
+    """
     if isinstance(error, ValueError):
         return REASONS[errno.ENOENT]
     return REASONS.get(error.errno or 0, f"cannot be read ({error.strerror}); check the path")

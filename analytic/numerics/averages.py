@@ -29,9 +29,11 @@ MOST: Final = 128  # cells of a row that still differ: of more the integrand is 
 
 
 def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
-    """Means (k, rows) of integrands over the interval that ascending ``edges`` divide, nan where they are nan.
+    """Means (k, rows) of k integrands over the interval that ascending ``edges`` divide, nan where they are nan.
 
-    An edge at a jump saves work. The mean over an interval without length is the value there.
+    ``integrands(row, places)`` gives values (k, n, m) for the numbers (n,) of rows, such as designs, at places (n, m).
+    The edges are those of every row; one at a jump saves work. The mean over an interval without length is the value
+    there.
     """
     start, width = np.tile(edges[:-1], rows), np.tile(np.diff(edges), rows)
     row = np.repeat(np.arange(rows), len(edges) - 1)
@@ -62,14 +64,15 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
 def _cell_integrals(
     integrands: Integrands, row: Integers, start: Array, width: Array, share: Array
 ) -> tuple[Array, Array]:
-    """Contributions of cells (n,) to the means of integrands, and to those of their magnitudes: (k, n).
+    """Contributions of cells (n,) to the means of k integrands, and to those of their magnitudes: (k, n).
 
-    A cell has its row, start, width and ``share`` of the whole.
+    A cell has the number of its ``row``, its ``start`` and ``width`` in the places' unit, and its ``share`` of the
+    whole interval, 0 to 1. ``integrands`` is called as in ``averages``.
     """
     values = integrands(row, start[:, None] + width[:, None] * NODES)
     return np.sum(values * WEIGHTS, axis=2) * share, np.sum(np.abs(values) * WEIGHTS, axis=2) * share
 
 
 def _sums(parts: Array, row: Integers, rows: int) -> Array:
-    """Sums of parts (k, n) by their row (n,): (k, rows)."""
+    """Sums of parts (k, n) of the same row, (k, rows): ``row`` (n,) has each part's number of one, below ``rows``."""
     return np.array([np.bincount(row, part, rows) for part in parts])

@@ -30,7 +30,7 @@ from analytic.numerics.arrays import Array
 
 
 class GaussScheme(NamedTuple):
-    """Gauss collocation on [0, 1] with n nodes.
+    """Gauss collocation on [0, 1] with n ``nodes``.
 
     ``series`` (n, n) turns values at the nodes into coefficients of Legendre polynomials, ``once`` and ``twice`` (n, n)
     into the first and second integral at the nodes, ``end_once`` and ``end_twice`` (n,) at 1; ``speed`` (n + 1, n) and
@@ -49,7 +49,7 @@ class GaussScheme(NamedTuple):
 
 @lru_cache
 def gauss_scheme(count: int) -> GaussScheme:
-    """The Gauss integration scheme with ``count`` nodes; made once."""
+    """The Gauss integration scheme with ``count`` nodes; it is made once and kept."""
     points, weights = legendre.leggauss(count)
     orders = np.arange(count)
     series: Array = (orders + 0.5)[:, None] * legendre.legvander(points, count - 1).T * weights
@@ -82,18 +82,21 @@ class Windows:
     speed: Array
 
     def _window_and_place(self, time: Array) -> tuple[NDArray[np.intp], Array]:
-        """For instants, s: the number of each one's window, and its place there, -1 to 1."""
+        """For instants, s, of any shape: the index of each one's window, and its place there, -1 to 1.
+
+        An instant outside the motion has a place beyond these in the first or last window.
+        """
         window = np.clip(np.searchsorted(self.starts, time, side="right") - 1, 0, len(self.base) - 1)
         left, right = self.starts[window], self.starts[window + 1]
         return window, ((time - left) - (right - time)) / (right - left)
 
     def angle_at(self, time: Array) -> Array:
-        """φ, rad, at instants (any shape)."""
+        """φ, rad, at instants, s (any shape); outside the motion by the series of its first or last window."""
         window, place = self._window_and_place(time)
         return np.asarray(self.base[window] + legendre.legval(place, self.angle[:, window], tensor=False))
 
     def speed_at(self, time: Array) -> Array:
-        """ω, rad/s, at instants (any shape)."""
+        """ω, rad/s, at instants, s (any shape); outside the motion by the series of its first or last window."""
         window, place = self._window_and_place(time)
         return np.asarray(legendre.legval(place, self.speed[:, window], tensor=False))
 
@@ -126,9 +129,9 @@ class _Path:
     """
 
     def __init__(self, scheme: GaussScheme, start: tuple[float, float], period: float) -> None:
-        """Begin a motion at ``start``, (φ, ω), in rad and rad/s, integrated by a ``scheme``.
+        """Begin a motion at t = 0 from ``start``, (φ, ω), in rad and rad/s, integrated by a ``scheme``.
 
-        Φ is kept within a ``period``.
+        The angle is kept within a ``period``, rad, which may be infinite.
         """
         self.scheme, self.period = scheme, period
         self.angle, self.speed = start
@@ -146,9 +149,9 @@ class _Path:
         return self.starts[-1]
 
     def add(self, accelerations: Array, end: float) -> None:
-        """Append a window up to the time ``end``, s, from accelerations, rad/s², at its nodes.
+        """Append a window up to the time ``end``, s, from accelerations (n,), rad/s², at its nodes.
 
-        The state moves to its end.
+        The path's state, φ, ω and φ̈, moves to its end.
         """
         length = end - self.time
         self._base.append(self.angle + (self._periods * self.period if self._periods else 0.0))
@@ -175,9 +178,10 @@ class _Path:
         return Windows(np.array(self.starts), np.array(self._base), angle, speed)
 
     def is_lost(self, length: float, longest: float) -> bool:
-        """Whether the motion cannot go on: the next window, ``length``, s, or the latest ones tiny beside earlier ones.
+        """Whether the motion cannot go on, as its windows shrink without end.
 
-        ``longest`` is the longest window so far, s.
+        It cannot where the next one, of ``length``, s, is a rounding beside ``longest``, the longest so far, s, or
+        beside the time, or where the latest 100 are tiny beside those before.
         """
         done = len(self.starts) - 1
         if length < LEAST_WINDOW * longest or self.time + length == self.time:
@@ -189,7 +193,7 @@ class _Path:
 
 
 def _compensated_sum(value: float, lost: float, change: float) -> tuple[float, float]:
-    """``value`` + ``change``, and its rounding error, which the next addition takes as ``lost`` (Kahan)."""
+    """The sum of all three, and its rounding error, which the next sum takes as ``lost`` (Kahan)."""
     change += lost
     total = value + change
     return total, change - (total - value)
@@ -208,12 +212,15 @@ def integrate(
     push: Push | None = None,
     knots: Sequence[float] = (),
 ) -> Windows:
-    """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
+    """Integrate φ̈ from ``start``, (φ, ω), rad and rad/s, for ``duration`` seconds.
 
-    ``rounding`` is the noise of an acceleration, rad/s²: no window is made smaller to follow it. ``place`` writes a
-    φ for a reader, ``period`` is that of the acceleration in φ, infinite without a period. ``push`` is a part
-    of the acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the
-    next one begins anew. Raises LinkproofError where the motion cannot be followed.
+    ``acceleration(angle, speed)`` gives φ̈, rad/s², for φ and ω of several instants (n,); where it raises AssemblyError
+    a window is made smaller. ``tolerance`` is the relative error of the speed within a window. ``rounding`` is the
+    noise of an acceleration, rad/s²: no window is made smaller to follow it. ``place`` writes a φ for a message,
+    ``period`` is that of the acceleration in φ, rad, infinite without a period. ``push(time, angle)`` is a part of the
+    acceleration, rad/s², that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the
+    next one begins anew. Raises LinkproofError where the motion cannot be followed to its end or takes too many
+    windows, AssemblyError where it cannot begin.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
     unsettled = SETTLED * tolerance if tolerance > FINE else 0.0
@@ -243,27 +250,31 @@ def integrate(
 
 
 def _with_push(acceleration: Acceleration, push: Push | None) -> Timed:
-    """The whole acceleration, rad/s², as a function of time, φ and ω; ``push`` adds to it, None adds nothing."""
+    """The whole acceleration, rad/s², as a function of time, φ and ω.
+
+    ``push(time, angle)`` adds to ``acceleration(angle, speed)``, None adds nothing.
+    """
     if push is None:
         return lambda _time, angle, speed: acceleration(angle, speed)
     return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
 
 
 def _end_acceleration(acceleration: Timed, path: _Path) -> float:
-    """The acceleration at the path's end, rad/s²."""
+    """The acceleration at the path's end, rad/s², by a function of time, φ and ω, whose errors it raises."""
     return float(acceleration(np.array([path.time]), np.array([path.angle]), np.array([path.speed]))[0])
 
 
 def _first_window(path: _Path, duration: float) -> float:
-    """A first window's length, s: the crank turns by about FIRST_ANGLE in it, or the whole duration if it rests."""
+    """A first window's length, s: the crank turns by about 0.3 rad in it, or the whole ``duration``, s, if it rests."""
     rate = max(abs(path.speed), math.sqrt(abs(path.acceleration) * FIRST_ANGLE))
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 
 
 def _node_accelerations(acceleration: Timed, path: _Path, length: float, rounding: float, share: float) -> Array | None:
-    """Accelerations, rad/s², at the window's nodes; None where the iteration does not settle.
+    """Accelerations (n,), rad/s², at the nodes of a window of ``length``, s, after the path's end.
 
-    It has settled where they are off by no more than ``rounding``, rad/s², or a ``share`` of their peak.
+    They are settled where they are off by no more than ``rounding``, rad/s², or a ``share`` of their peak. None where
+    the iteration does not settle or ``acceleration``, of time, φ and ω, raises AssemblyError.
     """
     scheme, speed = path.scheme, path.speed
     ahead = path.angle + speed * length * scheme.nodes
@@ -291,7 +302,10 @@ def _node_accelerations(acceleration: Timed, path: _Path, length: float, roundin
 
 
 def _relative_speed_error(path: _Path, accelerations: Array, length: float, rounding: float) -> float:
-    """Relative error of the speed over a window of ``length``, s, from the last terms of its series."""
+    """Relative error of the speed over a window of ``length``, s, from the last terms of its series; 0 at rest.
+
+    ``accelerations`` (n,), rad/s², are those at its nodes; ``rounding``, rad/s², of the terms is no error.
+    """
     tail = max(float(np.abs(path.scheme.series[-2:] @ accelerations).max()) - rounding, 0.0)
     gained, peak = float(path.scheme.end_once @ accelerations), float(np.abs(accelerations).max())
     scale = max(abs(path.speed), abs(path.speed + length * gained), length * peak)

@@ -38,9 +38,9 @@ MOST_CELLS: Final = 8192  # of a level: beyond it refining is given up, and the 
 class PeriodicTable:
     """Functions of a period, which ``edges`` (cells + 1,), rad, span from 0 on.
 
-    ``coefficients`` (cells, degree + 1, functions) are of powers
-    of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation between the nodes,
-    relative to the function's peak, or to its rounding if that is more than ``SMALL`` of it.
+    ``coefficients`` (cells, degree + 1, functions) are of powers, from the zeroth on, of the coordinate in [-1, 1]
+    across the cell; ``error`` is the largest deviation between the nodes, relative to the function's peak, or to its
+    rounding if that is more than ``SMALL`` of it.
     """
 
     edges: Array
@@ -54,7 +54,7 @@ class PeriodicTable:
         return left[1:], 0.5 * (left + right), 2.0 / (right - left)
 
     def __call__(self, angle: Array) -> Array:
-        """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
+        """Every function at each crank angle, rad, less whole periods; shape (functions, *angle.shape)."""
         turned, (borders, middle, scale) = angle.ravel() % self.edges[-1], self._cells
         cell = borders.searchsorted(turned, "right")
         powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
@@ -66,9 +66,10 @@ class PeriodicTable:
 
 
 def tabulate(functions: Functions, degree: int = DEGREE, *, period: float = FULL_TURN) -> PeriodicTable:
-    """Tabulate functions (angles (n,) to values (functions, n)) over a period, rad, with polynomials of a degree.
+    """Tabulate functions over a period, rad, with polynomials of a degree.
 
-    Cells are halved until the table meets each function to rounding, or cannot get nearer.
+    ``functions`` is called with angles (n,), rad, and gives values (functions, n). Cells are halved until the table
+    meets each function to rounding, or cannot get nearer; the table's ``error`` says how near it is.
     """
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
@@ -108,7 +109,10 @@ def tabulate(functions: Functions, degree: int = DEGREE, *, period: float = FULL
 
 
 def _rounding(functions: Functions, left: Array, right: Array, places: Array) -> Array:
-    """The largest difference of neighbouring values in each cell (cells, functions): a smooth function's rounding."""
+    """The largest difference of neighbouring values in each cell (cells, functions): a smooth function's rounding.
+
+    ``left`` and ``right`` (cells,), rad, are the cells' ends, ``places`` of [-1, 1] those in each to look at.
+    """
     here, beside = (_sampled_functions(functions, left + shift, right + shift, places) for shift in (0.0, NEIGHBOUR))
     return np.asarray(np.abs(beside - here).max(axis=2).T)
 
@@ -117,7 +121,7 @@ def _rounding(functions: Functions, left: Array, right: Array, places: Array) ->
 def _rules(degree: int) -> tuple[Array, Array, Array]:
     """Chebyshev nodes on [-1, 1], the matrix from values there to coefficients, and from these to powers.
 
-    ``degree`` is that of the polynomial; the coefficients are Chebyshev's.
+    ``degree`` is that of the polynomial; the coefficients are Chebyshev's. They are made once and kept.
     """
     nodes = chebyshev.chebpts1(degree + 1)
     orders = np.arange(degree + 1)
@@ -130,7 +134,10 @@ def _rules(degree: int) -> tuple[Array, Array, Array]:
 
 
 def _sampled_functions(functions: Functions, left: Array, right: Array, places: Array) -> Array:
-    """The functions at places of [-1, 1] across every cell; (functions, cells, places)."""
+    """The functions at ``places`` of [-1, 1] across every cell; (functions, cells, places).
+
+    ``left`` and ``right`` (cells,), rad, are the cells' ends; ``functions`` is called with at most ``PIECE`` angles.
+    """
     angle = left[:, None] + np.multiply.outer(right - left, 0.5 * (places + 1.0))
     flat = angle.ravel()
     pieces = [functions(flat[start : start + PIECE]) for start in range(0, flat.size, PIECE)]

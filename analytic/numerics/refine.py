@@ -52,33 +52,36 @@ class Tops(NamedTuple):
 
 
 class SampledTops(NamedTuple):
-    """Samples that are tops: the curve of each (n,), the sample, and three neighbours of which it is one, (n, 3)."""
+    """Samples that are tops: the curve of each (n,), the sample's index, three neighbours with it, (n, 3)."""
 
     curve: Integers
     best: Integers
     near: Integers
 
     def bounds(self, last: int) -> tuple[Integers, Integers]:
-        """Indices of the samples before and after each top; the last sample is ``last``."""
+        """Indices (n,) of the samples before and after each top, within 0 and the last sample's index, ``last``."""
         return np.maximum(self.best - 1, 0), np.minimum(self.best + 1, last)
 
 
 def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
     """The highest value of every curve between the ends of the grid, and its place: two arrays (k,).
 
-    Of equal ones it is the first; of a curve that is not finite it is the sample. ``curves`` gives k curves at places
-    (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,).
+    Of equal ones it is the first; of a curve that is not finite it is the sample. ``curves(places)`` gives all k curves
+    at places (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,) of at least three places.
     """
     return highest_each(lambda rows, places: curves(places)[rows], grid, values)
 
 
 def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array, Array]:
-    """Highest values and places as from ``highest``; ``curves`` gives only those numbered ``rows`` (r,), as (r, m)."""
+    """Highest values and places as from ``highest``, two arrays (k,), of curves that can be computed one by one.
+
+    ``curves(rows, places)`` gives only the curves numbered ``rows`` (r,) at places (m,), as (r, m).
+    """
     sampled = tops(values)
     result = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
 
     def heights(top: Integers, places: Array) -> Array:
-        """Heights of the curves on which tops lie, at places (tops, n)."""
+        """Heights of the curves on which tops lie, (tops, n), for the tops' numbers and places (tops, n)."""
         rows, row = np.unique(result.curve[top], return_inverse=True)
         seen = curves(rows, places.ravel()).reshape(len(rows), *places.shape)
         return np.asarray(seen[row, np.arange(len(top))])
@@ -92,9 +95,9 @@ def highest_each(curves: SomeCurves, grid: Array, values: Array) -> tuple[Array,
 
 
 def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
-    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,).
+    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and reach ``least``.
 
-    At most MOST of a curve.
+    ``least`` is one number or (k,). They are at most eight of a curve, ordered by curve and place.
     """
     walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
     with np.errstate(invalid="ignore"):  # infinity less infinity
@@ -115,8 +118,9 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
 def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
     """The highest top of each of ``count`` curves, refined between its samples by ``heights``, and its sign.
 
-    Both are (count,), nan for a curve without tops. ``signs`` (n,) are those of the sampled tops: +1, or -1 where the
-    curve is a signal's magnitude and the signal is negative. Of tops that are equal but for rounding the first counts.
+    Both are (count,), nan for a curve without tops. ``heights(top, places)`` gives the heights (r, 3) of tops numbered
+    (r,) at places (r, 3). ``signs`` (n,) are those of the sampled tops: +1, or -1 where the curve is a signal's
+    magnitude and the signal is negative. Of tops that are equal but for rounding the first counts.
     """
     climbed, _ = climb(sampled, heights)
     first, result = first_highest(sampled, climbed, count), np.full((2, count), np.nan)
@@ -127,8 +131,8 @@ def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> t
 def first_highest(sampled: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
     """For each of the ``count`` curves that has tops, the index of its highest top, the first of those that are equal.
 
-    ``climbed`` (n,) are the tops' heights. They are equal where they differ by the rounding of their height, or of a
-    curve's size (count,).
+    The indices are in the order of the curves. ``climbed`` (n,) are the tops' heights. They are equal where they differ
+    by the rounding of their height, or of a curve's size, ``sizes`` (count,).
     """
     most = np.full(count, -np.inf)
     np.maximum.at(most, sampled.curve, climbed)
@@ -139,7 +143,11 @@ def first_highest(sampled: Tops, climbed: Array, count: int, sizes: Array | floa
 
 
 def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
-    """The height of each top, (n,), refined by ``heights``, and a place where it is as high to ``MISSED``."""
+    """The height of each sampled top, refined, and its place: two arrays (n,).
+
+    ``heights(top, places)`` gives the heights (r, 3) of tops numbered (r,) at places (r, 3). A corner has the height of
+    its highest point, a top that is not finite that of its samples.
+    """
     result = np.empty((2, len(sampled.curve)))
     x, y = sampled.places, sampled.heights
     left: Integers = np.arange(len(x))
@@ -178,13 +186,19 @@ def climb(sampled: Tops, heights: Heights) -> tuple[Array, Array]:
 
 
 def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
-    """The places (n,) before and after the best of each row of ``x``, whose index is ``best``; an end is its own."""
+    """The places (n,) before and after the best of each row of ``x`` (n, m); an end has itself.
+
+    ``best`` (n,) are indices.
+    """
     row = np.arange(len(x))
     return x[row, np.maximum(best - 1, 0)], x[row, np.minimum(best + 1, x.shape[1] - 1)]
 
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
-    """Place and height of the top of the parabola through three points; infinite or nan without a reliable top."""
+    """Place and height, (n,) each, of the top of the parabola through three points, ``x`` and ``y`` (n, 3).
+
+    They are infinite or nan without a reliable top.
+    """
     before, after = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):  # two of the places may be the same
         rise, fall = (y[:, 1] - y[:, 0]) / before, (y[:, 2] - y[:, 1]) / after
@@ -195,9 +209,9 @@ def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _predicted_height(x: Array, y: Array, low: Array, high: Array, seen: Array) -> Array:
-    """The higher of the parabola's top, if that is between the bounds, and the highest point ``seen``.
+    """The top (n,) of the parabola through three points (n, 3), or the highest point ``seen`` (n,) if that is higher.
 
-    Nan if one is nan.
+    It is ``seen`` also where the top's place is not between ``low`` and ``high``, and nan where that is nan.
     """
     place, top = _parabola(x, y)
     return np.asarray(np.where((place > low) & (place < high), np.fmax(top, seen), seen))
@@ -222,19 +236,25 @@ class Extremes:
 
     @property
     def relative_pulsation(self) -> float:
-        """(max − min) / (2 mean), as in article 003; 0 for a constant, also for zero."""
+        """(max − min) / (2 mean), as in article 003; 0 for a constant, also for zero.
+
+        Raises ZeroDivisionError for another quantity whose mean is 0.
+        """
         if self.maximum == self.minimum:
             return 0.0
         return (self.maximum - self.minimum) / (2.0 * self.mean)
 
 
 def grid(points: int = GRID) -> Array:
-    """Crank angles over one turn, rad, the end left out."""
+    """Evenly spaced crank angles over one turn, rad, from 0 on, the end left out."""
     return np.linspace(0.0, FULL_TURN, points, endpoint=False)
 
 
 def in_turn(angle: ArrayLike) -> Array:
-    """Crank angles, rad, brought into [0, 2π): the remainder of one just below zero rounds to 2π, which is 0."""
+    """Crank angles, rad, brought into [0, 2π), as a new array.
+
+    The remainder of one just below zero rounds to 2π, which becomes 0.
+    """
     remainder = np.mod(angle, FULL_TURN)
     return np.where(remainder < FULL_TURN, remainder, 0.0)
 
@@ -245,12 +265,15 @@ def periodic_mean(values: Array) -> float:
 
 
 def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
-    """Mean, maximum and minimum of a periodic quantity over a turn, sampled at ``points`` and refined between them."""
+    """Mean, maximum and minimum of a periodic quantity over a turn, sampled at ``points`` and refined between them.
+
+    ``quantity`` gives values (n,) at crank angles (n,), rad.
+    """
     angle = grid(points)
     values = quantity(angle)
 
     def both(phi: Array) -> Array:
-        """The quantity and its negative at crank angles, rad: two curves whose tops are its extremes."""
+        """The quantity and its negative at crank angles (n,), rad: two curves (2, n) whose tops are its extremes."""
         return np.stack([seen := quantity(phi), -seen])
 
     closed = np.append(values, values[0])  # the turn's end, where a top may lie just before its start
@@ -259,9 +282,10 @@ def extremes(quantity: Quantity, points: int = GRID) -> Extremes:
 
 
 def zeros(quantity: Quantity, points: int = GRID, turns: int = 1) -> Array:
-    """Crank angles in [0, 2π), rad, where a periodic quantity changes sign.
+    """Crank angles in [0, 2π), rad, ascending, where a periodic quantity changes sign; none where it does not.
 
-    For a quantity whose period is several ``turns`` they are in [0, 2π ``turns``).
+    ``quantity`` gives values (n,) at crank angles (n,), rad; ``points`` are the samples of a turn, between which one
+    change of sign is found. For a quantity whose period is several ``turns`` the angles are in [0, 2π ``turns``).
     """
     angle = np.arange(float(points * turns)) * (FULL_TURN / points)
     values = quantity(angle)

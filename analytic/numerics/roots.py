@@ -16,7 +16,7 @@ SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones
 def root(function: Callable[[float], float], left: float, right: float) -> float:
     """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits.
 
-    Without a change of sign it is ``left``.
+    It is an end where the function is exactly zero, and ``left`` without a change of sign.
     """
     for end in (left, right):
         if function(end) == 0.0:
@@ -30,10 +30,10 @@ def roots(
 ) -> Array:
     """Where each of many continuous functions is zero within its bracket, (m,).
 
-    ``function`` gives the value of each at its own place. A root is as exact as the last digits of its place, or a
-    value below ``settled`` of the larger one at the ends. A function that does not change sign within its bracket has
-    its ``middle`` for an answer. The Illinois method: false position, with the value at the end that stays halved, so
-    that neither end is stuck.
+    ``function`` takes places (m,), one for each of the functions, and gives their values there, (m,). A root is as
+    exact as the last digits of its place, or a value below ``settled`` of the larger one at the ends. A function that
+    does not change sign between its ``left`` and ``right`` (m,) has its ``middle`` (m,) for an answer. The Illinois
+    method: false position, with the value at the end that stays halved, so that neither end is stuck.
     """
     low, high = function(left), function(right)
     least = settled * np.maximum(np.abs(low), np.abs(high))
@@ -57,10 +57,10 @@ def roots(
 def may_touch_zero(values: Array, rounding: float) -> Booleans:
     """Which inner samples, last axis, are local minima beside which a function may come down to zero and turn.
 
-    About a double root, or the tip of a magnitude, a sample is at most as high as both neighbours together are above
-    it; of a smooth function that stays away it is higher, the more so the finer the samples. Where a neighbour is no
-    finite number the other one has to be that much higher. A sample below zero by more than ``rounding`` does not
-    count.
+    The answer's last axis lacks the two outer samples. About a double root, or the tip of a magnitude, a sample is at
+    most as high as both neighbours together are above it; of a smooth function that stays away it is higher, the more
+    so the finer the samples. Where a neighbour is no finite number the other one has to be that much higher. A sample
+    below zero by more than ``rounding`` does not count.
     """
     here, beside = values[..., 1:-1], np.stack([values[..., :-2], values[..., 2:]])
     with np.errstate(invalid="ignore"):
@@ -77,11 +77,11 @@ def find_lowest(
     points: int = 33,
     enough: float = -np.inf,
 ) -> tuple[Array, Array]:
-    """Where each of many functions is lowest within its bracket, (m,), and its values there.
+    """Where each of many functions is lowest within its bracket, and its values there: two arrays (m,).
 
-    ``function`` gives the values of each at its own places, (m, points). Each look is a comb of ``points`` places over
-    the bracket, and the next bracket reaches from the lowest of them to its neighbours. It ends when all are below
-    ``enough``.
+    The brackets are from ``left`` to ``right``, (m,). ``function`` gives the values of each at its own places, both (m,
+    points). Each of at most ``looks`` looks, one or more, is a comb of ``points`` places over the bracket, and the next
+    bracket reaches from the lowest of them to its neighbours. It ends when all are below ``enough``.
     """
     rows, comb = np.arange(len(left)), np.linspace(0.0, 1.0, points)
     for _ in range(looks):

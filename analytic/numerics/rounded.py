@@ -52,7 +52,10 @@ class Rounded(NDArrayOperatorsMixin):
         self.bound: Any = UNIT * np.abs(self.value) if bound is None else bound
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:  # noqa: ANN401
-        """Apply a function of NumPy and carry the bounds through it, with the rounding of its own."""
+        """Apply a function of NumPy and carry the bounds through it, with the rounding of its own, into a new number.
+
+        NotImplemented for a function without a rule in ``RULES``, and for its methods and options.
+        """
         if method != "__call__" or options or ufunc not in RULES:
             return NotImplemented
         values = [item.value if isinstance(item, Rounded) else item for item in inputs]
