@@ -40,7 +40,7 @@ class LinkproofError(Exception):
     """Base class of every error that the caller can correct; the command line turns it into exit code 2."""
 
     def __str__(self) -> str:
-        """The message, safe to print: control characters escaped, the middle left out beyond LONGEST characters."""
+        """The message, safe to print: control characters escaped, the middle left out beyond 1500 characters."""
         text = printable(super().__str__())
         return text if len(text) <= LONGEST else f"{text[: LONGEST - 500]} ... {text[-495:]}"
 
@@ -60,14 +60,20 @@ class AssemblyError(LinkproofError):
 
 
 def symbol(name: str) -> str:
-    """A signal's or figure's name with its first word replaced by the symbol: ``torque.peak`` becomes ``Mkr.peak``."""
+    """A signal's or figure's name with its first word replaced by the symbol: ``torque.peak`` becomes ``Mkr.peak``.
+
+    The word ends at the first "." or "@"; a name that begins with none of ``WORDS`` stays as it is.
+    """
     ends = [place for place in (name.find("."), name.find("@")) if place >= 0]
     word = name[: min(ends, default=len(name))]
     return WORDS.get(word, word) + name[len(word) :]
 
 
 def install_words(extra: str) -> str:
-    """The command that installs an extra into this installation, be it from an index, a file or a checkout."""
+    """The shell command that installs an extra, by name, into this installation.
+
+    It fits an installation from an index, a file or a checkout.
+    """
     import json  # noqa: PLC0415 - an error is rare
     from importlib import metadata  # noqa: PLC0415
     from urllib.parse import unquote, urlsplit  # noqa: PLC0415
@@ -87,7 +93,10 @@ class UnknownNameError(LinkproofError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
-        """Compose the message: the unknown name, the nearest of the ``known`` ones, and all of these or ``where``."""
+        """Compose the message: the unknown name, the nearest of the ``known`` ones, and all of these or ``where``.
+
+        ``kind`` is the word for what the name should be, such as "signal".
+        """
         choices = sorted(set(known))
         meant, many = SYMBOLS.get(name.lower()), NEAREST if len(choices) > MOST_NAMES else 1
         words = [WORDS[word] for word in _similar_names(name, [*WORDS]) if WORDS[word] in choices]
@@ -98,9 +107,10 @@ class UnknownNameError(LinkproofError):
 
 
 def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
-    """Those known names that begin with a name.
+    """Those ``choices`` that begin with a name, capitals or not.
 
-    If there are none, up to NEAREST close in spelling, the nearest first.
+    If there are none, up to three close in spelling, the nearest first, or those that differ in one letter; none for an
+    overlong name.
     """
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:
@@ -118,19 +128,25 @@ def _differ_by_a_letter(name: str, other: str) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names as an enumeration for a sentence, each shortened, at most MOST_NAMES of them; "none" without any."""
+    """Names as an enumeration for a sentence, each shortened; "none" without any.
+
+    Of more than 30 it has the first 30 and the number of the others.
+    """
     every = list(names)
     more = f" and {len(every) - MOST_NAMES} more" if len(every) > MOST_NAMES else ""
     return ", ".join(map(shortened, every[:MOST_NAMES])) + more or "none"
 
 
 def shortened(text: str) -> str:
-    """A name for a message, cut to LONGEST_NAME characters."""
+    """A text for a message, cut to 60 characters and "..." if it is longer."""
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
 
 def is_safe(character: str) -> bool:
-    """Whether a character changes nothing but its own place on a terminal: no control character, no surrogate."""
+    """Whether a character changes nothing but its own place on a terminal.
+
+    A control character, a mark of the writing direction or a surrogate is not safe.
+    """
     return character.isprintable() or not (
         character < " " or "\x7f" <= character <= "\x9f" or "\u202a" <= character <= "\u202e"
         or "\u2066" <= character <= "\u2069" or "\ud800" <= character <= "\udfff"
@@ -138,7 +154,7 @@ def is_safe(character: str) -> bool:
 
 
 def printable(text: str) -> str:
-    """A text with control characters and line ends escaped, so that it stays on one line."""
+    """A text with every character that is not safe, line ends among them, escaped, so that it stays on one line."""
     if text.isprintable():
         return text
     return "".join(c if is_safe(c) else c.encode("unicode_escape").decode() for c in text)

@@ -35,7 +35,10 @@ OF_DESIGN, OF_PLACE = 1, 2
 
 
 class TracedSweep(Sweep):
-    """A sweep of traced numbers: where its groups can move is noted in ``moves`` in place of being checked."""
+    """A sweep of traced numbers: where its groups can move is noted in ``moves`` in place of being checked.
+
+    ``moves`` is a traced truth value, or True while no group has been solved.
+    """
 
     moves: Any = True
 
@@ -51,8 +54,9 @@ class TracedSweep(Sweep):
 class LinkageTrace:
     """Lines of the signals of designs that differ in ``varied`` numbers, and of whether all groups needed can move.
 
-    ``determinants`` are those of the dyads, magnitudes. Inputs of the ``trace`` are the numbers by name, ``PHI``,
-    ``SPEED``, ``ACCELERATION``, ``ZERO_OF_S`` and laws over φ, which are named (law, order, component).
+    ``signals``, ``moves`` and ``determinants``, the magnitudes of the dyads', are numbers of lines of the ``trace``.
+    Its inputs are the varied numbers by name, ``PHI``, ``SPEED``, ``ACCELERATION``, ``ZERO_OF_S`` and laws over φ,
+    which are named (law, order, component).
     """
 
     trace: OperationList
@@ -71,7 +75,7 @@ class LinkageTrace:
     ) -> dict[int, Any]:
         """Values of the inputs by line, SI: ``numbers`` by name, the crank's angle or stroke, speed, acceleration.
 
-        Laws are evaluated at ``phi``; an input without a value is left out.
+        Laws are evaluated at ``phi``; an input without a value is left out. ``numbers`` may have ``ZERO_OF_S``, m.
         """
         known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
         table: dict[int, Any] = {}
@@ -86,7 +90,8 @@ class LinkageTrace:
     def split_inputs(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
         """Of the lines that ``outputs`` need, those that depend on the design alone, and those on the crank alone.
 
-        Each can be computed once and shared; what such lines need themselves is left out.
+        They are numbers, ascending. Each can be computed once and shared; what such lines need themselves is left out,
+        and so are constants.
         """
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
@@ -109,7 +114,10 @@ def is_traceable(mechanism: Mechanism) -> bool:
 
 @once_per_mechanism
 def _traces_by_request(_: Mechanism) -> dict[object, LinkageTrace]:
-    """The cache of a mechanism, {} at first: its lists of operations by the request they were made for."""
+    """The cache of a mechanism, at first {}: its lists of operations by the request they were made for.
+
+    The caller fills it.
+    """
     return {}
 
 
@@ -122,11 +130,13 @@ def linkage_trace(
     accelerates: bool = False,
     all_groups: bool = True,
 ) -> LinkageTrace:
-    """The list of a linkage's signals, with numbers by name, or ``SPEED``, that vary or are ``zero``, others constants.
+    """The list of a linkage's signals in which ``varied`` numbers are inputs, ``zero`` ones 0, others constants.
 
-    It is made once for a mechanism and a request. ``signals`` are those of ``analytic.signals``, magnitudes of vectors
-    and the output's coordinate. ``accelerates`` makes the crank's acceleration an input, else it is 0. ``all_groups``
-    takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.
+    Numbers are by name. The list is made once for a mechanism and a request. ``signals`` are names of
+    ``analytic.signals``, magnitudes of vectors and the output's coordinate. ``accelerates`` makes the crank's
+    acceleration an input, else it is 0; its speed always is one. ``all_groups`` takes the groups that no signal needs
+    as well. Raises LinkproofError for a linkage that is not traceable, UnknownNameError for a signal that it does not
+    have.
     """
     if not is_traceable(mechanism):
         raise LinkproofError(
@@ -186,10 +196,10 @@ LATEST: Final = "{value}"  # a result that is the last row's
 
 
 class Result(NamedTuple):
-    """A result of each lane: its value after every row, from its ``start`` on.
+    """A result of each lane, from its ``start``: its value after the latest row that has been computed.
 
-    The ``formula`` is of the ``line`` as {value}, of the result up to here as {so_far}, and of the next result in the
-    list as {next}, as the row before has left it.
+    The ``formula``, Python text, is of the ``line``'s value as {value}, of the result up to here as {so_far}, and of
+    the next result in the list as {next}, as the row before has left it.
     """
 
     line: int
@@ -198,14 +208,22 @@ class Result(NamedTuple):
 
 
 def sines_and_cosines(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
-    """The lines of sines and cosines of lanes' numbers, computed once before the rows."""
+    """Numbers, ascending, of the lines of sines and cosines of lanes' numbers, which are computed once before the rows.
+
+    ``lanes`` are the lines that a lane is given; only what the ``results`` need counts.
+    """
     rows = trace.operations
     needed = trace.lines_needed([result.line for result in results], lanes)
     return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]
 
 
 def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
-    """The Python source of ``FUNCTION``; ``lanes`` and ``rows`` are the lines that it is given."""
+    """The Python source of ``FUNCTION``; ``lanes`` and ``rows`` are the lines that it is given for each.
+
+    ``straight(lanes, rows, results)`` fills ``results`` in place, for chunks of 64 lanes. The k-th number of a chunk's
+    lane d is lanes[chunk, k·64 + d], with the sines and cosines last, the j-th of a row is rows[row, j], and the m-th
+    result is results[chunk, m·64 + d].
+    """
     names: dict[int, str] = {}
     first = sines_and_cosines(trace, lanes, results)
     places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
@@ -227,7 +245,11 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
     ]
 
     def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
-        """Append to the source the statement that assigns an expression to a line's variable."""
+        """Append to the source the statement that assigns an expression to the variable of the line numbered ``line``.
+
+        It is indented by ``depth`` steps. ``is_given`` says that the expression reads an array of numbers, so that a
+        truth value is compared with 0. The variable is noted in ``names``.
+        """
         names[line] = f"v{line}"
         if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
             expression = f"{expression} != 0.0"
@@ -264,8 +286,9 @@ Program = dict[str, Any]
 def plain_program(trace: OperationList, given: Sequence[int], rows: Sequence[int], results: Sequence[int]) -> Program:
     """The list that leads from ``given`` numbers of a design and those of a row to results, JSON-ready; all are lines.
 
-    Values have numbers: those ``given`` first, then those of the ``rows``, ``constants``, and one of each of the
-    ``operations``, which have the place of their name among ``names`` and the numbers of their operands.
+    The keys are given and rows, with how many numbers each has, constants, names, operations and results. Values have
+    numbers: those ``given`` first, then those of the ``rows``, ``constants``, and one of each of the ``operations``,
+    which have the place of their name among ``names`` and the numbers of their operands; ``results`` are such numbers.
     """
     known = (*given, *rows)
     needed = [line for line in trace.lines_needed(results, known) if line not in known]
@@ -301,8 +324,8 @@ MOST_OPERATIONS: Final = 3000  # compiling a longer list takes longer than it sa
 def is_worthwhile(path: str, operations: int, poses: float) -> bool:
     """Whether to compile a list of so many operations for so many ``poses``, lanes times rows.
 
-    ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled where NumPy would take longer than compiling does. Raises
-    UnknownNameError for another, LinkproofError where numba is missing for "compiled".
+    ``path`` is ``numpy``, never, ``compiled``, always, or ``auto``: where NumPy would take longer than compiling does
+    and numba is installed. Raises UnknownNameError for another, LinkproofError where numba is missing for "compiled".
     """
     if path not in PATHS:
         raise UnknownNameError("path", path, PATHS)
@@ -319,27 +342,35 @@ def is_worthwhile(path: str, operations: int, poses: float) -> bool:
 
 @lru_cache(maxsize=1)
 def is_installed() -> bool:
-    """Whether numba is installed; it is not imported for the answer."""
+    """Whether numba is installed; it is not imported for the answer, which is kept."""
     return importlib.util.find_spec("numba") is not None
 
 
 class StraightFunction:
     """Lines of a trace as machine code: ``results`` of lanes, from ``lanes`` and ``rows``, lines that are given.
 
-    See ``analytic.machine_code`` for lanes and rows. The compiled code releases the interpreter's lock.
+    Lanes, such as designs, are computed side by side; each goes through the rows, such as crank angles, one after
+    another. The compiled code releases the interpreter's lock.
     """
 
     def __init__(
         self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
     ) -> None:
-        """Compile the results of a list; ``lanes`` and ``rows`` are the lines that it is given."""
+        """Compile the results of a list, in a second or more; ``lanes`` and ``rows`` are the lines that it is given.
+
+        Raises ImportError where numba is missing.
+        """
         self.lanes, self.rows = tuple(lanes), tuple(rows)
         self._widths = len(lanes) + len(sines_and_cosines(trace, lanes, results)), len(results)
         self._straight = compile_source(python_source(trace, lanes, rows, results))
         self._scratch = threading.local()
 
     def __call__(self, lanes: Sequence[Any], rows: Array, count: int) -> Array:
-        """Results (results, count): ``lanes`` are numbers or arrays (count,), ``rows`` (rows, k) numbers of each."""
+        """Results (results, count) of ``count`` lanes, as a new array.
+
+        ``lanes`` has, for each line of a lane, a number or an array (count,); ``rows`` (rows, k) has the numbers of
+        each row for the k lines of a row, contiguous.
+        """
         given, out = self._memory(-(-count // LANES))
         full = count - count % LANES
         for number, values in enumerate(lanes):
@@ -356,7 +387,7 @@ class StraightFunction:
         return results
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
-        """This thread's arrays, of numbers given and of results, for so many chunks; they keep what was in them.
+        """This thread's arrays, of numbers given and of results, (chunks, numbers, 64); they keep what was in them.
 
         Reused, since new memory costs more than computing.
         """
@@ -368,7 +399,10 @@ class StraightFunction:
 
 @lru_cache(maxsize=32)
 def compile_source(source: str) -> Callable[[Array, Array, Array], None]:
-    """The compiled function of a source that ``python_source`` has made; the latest 32 are kept."""
+    """The compiled function of a source that ``python_source`` has made; the latest 32 are kept.
+
+    It takes lanes, rows and results, float arrays of two axes, and fills the last. Raises ImportError without numba.
+    """
     import numba  # noqa: PLC0415 - optional, and slow to import
 
     space: dict[str, Any] = {"math": math}
@@ -389,7 +423,7 @@ def cores() -> int:
 def in_threads(function: Callable[[Any], object], parts: Sequence[Any]) -> None:
     """Call the function with every part, in threads on all cores, and return when all are done.
 
-    An error is raised again.
+    What it returns is dropped. With one part or core it is called in this thread. The first error is raised again.
     """
     threads = min(len(parts), cores())
     if threads <= 1:

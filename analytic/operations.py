@@ -38,7 +38,7 @@ NAMES: Final = {function: name for name, function in FUNCTIONS.items()} | {
 
 @dataclass(frozen=True)
 class Operation:
-    """A line of the list: a function by name and the lines that it takes.
+    """A line of the list: a function by its name in ``FUNCTIONS``, and the numbers of the lines that it takes.
 
     The operand of an ``INPUT`` is its number among the inputs; a ``CONSTANT`` has a value.
     """
@@ -65,7 +65,7 @@ class OperationList:
         return Traced(self, self.inputs[name])
 
     def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
-        """The line that holds a traced number of this list or a constant, which is added if it is new."""
+        """The number of the line that holds a traced number of this list, or a constant, which is added if new."""
         return (
             number.line if isinstance(number, Traced) else self._add_operation(Operation(CONSTANT, (), float(number)))
         )
@@ -73,7 +73,8 @@ class OperationList:
     def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
         """Note a function, by name, of numbers and return its result: traced, or plain where constants alone decide it.
 
-        Functions that leave a number unchanged, such as a sum with zero, are not noted.
+        The numbers are traced ones of this list or plain ones; the name is one of ``FUNCTIONS``. Functions that leave a
+        number unchanged, such as a sum with zero, are not noted.
         """
         lines = tuple(self.line(number) for number in numbers)
         rows = [self.operations[line] for line in lines]
@@ -97,16 +98,16 @@ class OperationList:
         return Traced(self, self._add_operation(Operation(name, lines)))
 
     def _add_operation(self, operation: Operation) -> int:
-        """The line of an operation, which is added if the list does not have it."""
+        """The number of an operation's line, which is added if the list does not have it."""
         if operation not in self._lines:
             self._lines[operation] = len(self.operations)
             self.operations.append(operation)
         return self._lines[operation]
 
     def lines_needed(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
-        """The lines needed to compute ``outputs``, these included, in order; nothing that only ``known`` lines need.
+        """Numbers, ascending, of the lines needed to compute ``outputs``, these included, from ``known`` ones.
 
-        Known lines and inputs that are needed are among them.
+        Known lines and inputs that are needed are among them, what only known lines need is not.
         """
         seen, given = set(outputs), set(known) | set(self.inputs.values())
         for line in range(len(self.operations) - 1, -1, -1):
@@ -117,7 +118,8 @@ class OperationList:
     def evaluate(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
         """The values of the lines with these numbers, computed by NumPy, in the order of ``outputs``.
 
-        ``known`` has values by line, those of all needed inputs among them: arrays that broadcast together.
+        ``known`` has values by line, those of all needed inputs among them: numbers or arrays that broadcast together.
+        Raises KeyError where an input's is missing.
         """
         values = dict(known)
         with np.errstate(all="ignore"):
@@ -134,9 +136,9 @@ class OperationList:
     def _computing_order(
         self, outputs: tuple[int, ...], known: frozenset[int]
     ) -> list[tuple[int, Operation, list[int]]]:
-        """The lines to compute for the ``outputs``, in order, each with the lines needed for the last time there.
+        """The lines to compute for the ``outputs``, in order: number, operation, lines needed for the last time there.
 
-        Lines ``known`` are not computed.
+        Lines ``known`` are not computed. The answer is kept as long as the list does not grow.
         """
         key = (outputs, known, len(self.operations))
         if key not in self._plans:
@@ -153,6 +155,7 @@ class OperationList:
     ) -> list[tuple[Any, dict[int, Any]]]:
         """The values of lines, and of each its derivatives by those of the ``moving`` inputs that it depends on.
 
+        In the order of ``outputs``: a value, and derivatives by the number of the input's line, as ``moving`` has them.
         One pass backward over the list for every line (reverse accumulation), by NumPy; ``known`` as for ``evaluate``.
         """
         needed = self.lines_needed(outputs)
@@ -171,7 +174,11 @@ class OperationList:
         return result
 
     def _pass_back(self, line: int, slopes: dict[int, Any], values: Mapping[int, Any], moved: Collection[int]) -> None:
-        """Replace a line's slope in ``slopes`` by the parts of it that belong to those operands that are ``moved``."""
+        """Replace a line's slope in ``slopes`` by the parts of it that belong to those operands that are ``moved``.
+
+        The slopes, by line, are derivatives of one result by it, and are changed in place; ``values`` are those of all
+        lines. A function that only steps passes nothing on.
+        """
         row, slope = self.operations[line], slopes.pop(line)
         arguments = [values[other] for other in row.operands]
         with np.errstate(all="ignore"):
@@ -195,7 +202,7 @@ class Traced(NDArrayOperatorsMixin):
     ndim = 0
 
     def __init__(self, trace: OperationList, line: int) -> None:
-        """The number that stands in a ``line`` of a list of operations."""
+        """The number that stands in a ``line``, by its number, of the list ``trace``."""
         self.trace, self.line = trace, line
 
     def __bool__(self) -> bool:
@@ -207,19 +214,19 @@ class Traced(NDArrayOperatorsMixin):
         raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
 
     def looked_up(self, law: Law, order: int) -> list[Traced]:
-        """Components of a law at this number, or of its derivative of an order.
+        """Components of a law at this number, as a list, or of its derivative of an ``order``.
 
-        Of a law over φ they are inputs, (law, order, component); of one over S, which the list computes, they are
-        computed by it, too.
+        Of a law over φ they are inputs, (law, order, component), added to the list; one over S, which the list
+        computes, they are computed by it, too, without derivatives.
         """
         if getattr(law, "over", "phi") == "S":
             return law.formula(self)  # type: ignore[attr-defined,no-any-return]
         return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
-        """Note the operation in the list instead of computing it.
+        """Note the operation in the list instead of computing it, and return the traced result.
 
-        The result is traced, NotImplemented for unknown functions.
+        NotImplemented for functions that the list does not have, for arrays and for options other than ``out``.
         """
         # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
         if method != "__call__" or options or any(np.ndim(entry) for entry in inputs):
@@ -234,7 +241,7 @@ class Traced(NDArrayOperatorsMixin):
 
 
 def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
-    """Note NumPy's ``where`` of condition, value and other value in the list; the traced result."""
+    """Note NumPy's ``where`` of condition, value and other value in the list; the result, traced or plain."""
     trace: OperationList = next(number.trace for number in numbers if isinstance(number, Traced))
     return trace.apply("where", *numbers)
 

@@ -53,7 +53,9 @@ from analytic.numerics.refine import zeros
 class LinkageInMotion(ABC):
     """A ``sweep`` of a ``mechanism`` whose crank has a ``speed``, rad/s, and an ``acceleration``, rad/s².
 
-    Both are of the sweep's shape or scalar. Everything is computed once, when it is needed.
+    Both are of the sweep's shape or scalar; of a linear driver they are in m/s and m/s². Everything is computed once,
+    when it is needed, and then raises AssemblyError where the linkage cannot be assembled or moved, and torques and
+    joint forces LinkproofError where friction locks it.
     """
 
     if TYPE_CHECKING:
@@ -81,7 +83,7 @@ class LinkageInMotion(ABC):
 
     @cached_property
     def inertia(self) -> Array:
-        """Jeq, the moment of inertia reduced to the crank, kg m²; of a linear driver the mass, kg."""
+        """Jeq, the moment of inertia reduced to the crank, kg m², of the sweep's shape; of a linear driver the mass."""
         return reduced.reduced_inertia(self.sweep)
 
     @cached_property
@@ -93,22 +95,28 @@ class LinkageInMotion(ABC):
 
     @cached_property
     def joint_forces(self) -> Mapping[str, Array]:
-        """Force of every joint by name, (2, *shape), N: one analysis of the linkage gives them all."""
+        """Force of every joint on its first body, by the joint's name, (2, *shape), N, in the ground frame.
+
+        One analysis of the linkage gives them all.
+        """
         return self._reactions.forces
 
     @property
     def friction_torque(self) -> Any:  # noqa: ANN401 - an array, or 0 without friction
-        """The share of the joints' friction in the drive's torque, N m."""
+        """The share of the joints' friction in the drive's torque, N m; of a linear driver in its force, N."""
         return self._reactions.friction
 
     @cached_property
     def _reactions(self) -> Reactions:
-        """Forces of all joints at this speed and acceleration of the crank, and the drive's torque."""
+        """Forces of all joints at this speed and acceleration, the drive's torque, and friction's share."""
         return reactions(self.sweep, self.speed, self.acceleration)
 
     @cached_property
     def shaking(self) -> Array:
-        """Force on the frame, N, and its moment about the crank's pivot, or the origin, N m: (3, *shape)."""
+        """Force of the linkage on the frame, N, and its moment about the crank's pivot, N m: (3, *shape).
+
+        The moment is about the origin where no crank turns.
+        """
         pivot = self.sweep.structure.pivot
         about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
         return shaking(self.sweep, self.speed, self.acceleration, about)
@@ -116,7 +124,10 @@ class LinkageInMotion(ABC):
 
 @dataclass(frozen=True)
 class MovingSweep(LinkageInMotion):
-    """Crank angles with the crank's speed, rad/s, acceleration, rad/s², and the output's coordinate at which S is 0."""
+    """A sweep with the crank's speed, rad/s, acceleration, rad/s², and the output's coordinate, m, at which S is 0.
+
+    Speed and acceleration are of the sweep's shape or scalar; of a linear driver they are in m/s and m/s².
+    """
 
     mechanism: Mechanism
     sweep: Sweep
@@ -134,7 +145,10 @@ class MovingSweep(LinkageInMotion):
 
 
 def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, Scalar, Scalar]:
-    """Position in space, m, of a stop of the thread, over the sweep's angles if it is an eye."""
+    """Position in space, x, y and z, m, of a stop of the thread, over the sweep's angles if it is an eye.
+
+    Raises AssemblyError where the eye's link cannot be assembled.
+    """
     if isinstance(stop, ThreadGuide):
         return stop.position
     x, y = sweep.point(stop.point)
@@ -142,7 +156,10 @@ def stop_position(sweep: Sweep, stop: ThreadGuide | ThreadEye) -> tuple[Scalar, 
 
 
 def contour_length(sweep: Sweep, path: ThreadPath) -> Scalar:
-    """The length L(φ) of the thread's contour, m, at the sweep's angles."""
+    """The length L(φ) of the thread's contour, m, at the sweep's angles; one number if no stop moves.
+
+    Raises AssemblyError where the linkage cannot be assembled.
+    """
     corners = [stop_position(sweep, stop) for stop in path.stops]
     length: Scalar = 0.0
     for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(corners):
@@ -153,10 +170,11 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Scalar:
 
 @lru_cache(maxsize=8)
 def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
-    """φ_ref, rad: the crank angle at which the feed is ΔP.
+    """φ_ref, rad, of a linear driver m: the crank angle at which the feed is ΔP; the latest eight are kept.
 
-    The extreme position of an eye is the outermost zero of the exact derivative of its height, not a grid point.
-    Raises LinkproofError where the crank makes no full turn, and for an eye that does not move up and down.
+    It is as the file gives it, or the extreme position of an eye: the outermost zero of the exact derivative of its
+    height, not a grid point. Raises LinkproofError where that needs a full turn and the driver makes none, and for an
+    eye that does not move up and down.
     """
     if isinstance(path.reference, float | int):
         return float(path.reference)
@@ -179,21 +197,27 @@ def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
 
 
 def reference_length(mechanism: Mechanism, path: ThreadPath) -> float:
-    """L(φ_ref), m: the length of the thread's contour at the angle at which the feed is ΔP."""
+    """L(φ_ref), m: the length of the thread's contour at the angle at which the feed is ΔP.
+
+    Raises LinkproofError as ``reference_angle`` does.
+    """
     return float(contour_length(mechanism.sweep(reference_angle(mechanism, path)), path))
 
 
 def feed(mechanism: Mechanism, path: ThreadPath, angle: ArrayLike) -> Array:
-    """Actual feed Pd(φ), m, of the thread at crank angles, rad, of any shape.
+    """Actual feed Pd(φ), m, of the thread at crank angles, rad, of any shape; an array of that shape.
 
-    Raises LinkproofError where it has no zero.
+    Raises LinkproofError as ``reference_angle`` does, AssemblyError where the linkage cannot be assembled.
     """
     length = contour_length(mechanism.sweep(angle), path)
     return np.asarray(feed_of_length(path, length, reference_length(mechanism, path)))
 
 
 def feed_of_length(path: ThreadPath, length: Scalar, start: float) -> Scalar:
-    """Feed, m, of a contour of the given length, m, from its length ``start`` at the reference angle, m."""
+    """Feed, m, of a contour of the given length, m, from its length ``start`` at the reference angle, m.
+
+    The path says whether a longer or a shorter contour counts positive, and adds its stretch.
+    """
     sign = -1.0 if path.feed == "shortening" else 1.0
     return sign * (length - start) + path.stretch
 
@@ -208,8 +232,9 @@ Formula = Callable[[LinkageInMotion], Scalar]
 class NamedSignal:
     """A signal of the closed form: its SI ``unit``, of a turning crank's, and its ``formula``.
 
-    One that ``is_still`` depends on the crank's angle alone, not on how it moves. One that is not ``is_listed`` is
-    computed where it is named, and not part of the results.
+    The formula takes a ``LinkageInMotion`` and gives the values, SI, in its shape or as one number. One that
+    ``is_still`` depends on the crank's angle alone, not on how it moves. One that is not ``is_listed`` is computed
+    where it is named, and not part of the results.
     """
 
     unit: str
@@ -274,12 +299,12 @@ ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components
 
 
 def names(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of all signals that a mechanism has under any motion, always in the same order."""
+    """Names of all listed signals that a mechanism has under any motion, always in the same order."""
     return tuple(name for name, signal in table(mechanism).items() if signal.is_listed)
 
 
 def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of all signals of a mechanism and, after the components of each force, the name of its magnitude."""
+    """Names of all listed signals of a mechanism and, after the components of each force, the name of its magnitude."""
     texts = []
     for name in names(mechanism):
         texts.append(name)
@@ -289,7 +314,10 @@ def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def unit(name: str, linkage: Linkage) -> str:
-    """SI unit, as text, of a signal of a linkage, or of the magnitude of a vector."""
+    """SI unit, as text, of a signal of a linkage by name, or of the magnitude of a vector.
+
+    Whether the linkage has the signal is not checked; raises KeyError for a kind that no linkage has.
+    """
     kind, _, part = name.partition(":")
     whole = name if name in SINGLE_SIGNALS else kind
     if whole in SINGLE_SIGNALS:
@@ -299,14 +327,15 @@ def unit(name: str, linkage: Linkage) -> str:
 
 
 def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
-    """Unit of a quantity by name: ``unit`` or, for a linear driver, what takes its place."""
+    """Unit of a quantity by name: ``unit``, that of a turning crank's, or for a linear driver what takes its place."""
     return LINEAR_UNITS.get(name, unit) if is_linear else unit
 
 
 def signal(at: LinkageInMotion, name: str) -> Array:
-    """A signal, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``; the angles' shape.
+    """A signal by name, SI, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``.
 
-    Raises UnknownNameError for a signal that the linkage does not have.
+    It has the angles' shape. Raises UnknownNameError for a signal that the linkage does not have, LinkproofError for
+    the output's coordinate without an output, AssemblyError where the linkage cannot be assembled or moved.
     """
     if name == OUTPUT_COORDINATE:
         return at.sweep.output()
@@ -320,10 +349,10 @@ def signal(at: LinkageInMotion, name: str) -> Array:
 
 
 def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
-    """The requested names, each once, after checks.
+    """The requested names, each once, in their order, after checks.
 
-    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for a missing crank speed or
-    output.
+    Raises UnknownNameError for a signal that the mechanism does not have, LinkproofError for S, v or a without an
+    output and, unless ``has_speed``, for a signal that depends on the crank's speed.
     """
     known = table(mechanism)
     chosen = tuple(dict.fromkeys(names))
@@ -341,12 +370,15 @@ def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool
 
 
 def is_angle(name: str) -> bool:
-    """Whether a signal is an angle that grows from turn to turn."""
+    """Whether a signal, by name, is an angle that grows from turn to turn: φ, or the angle of a link."""
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
 def is_wrapped(name: str, linkage: Linkage) -> bool:
-    """Whether a formula gives the signal only within one turn, so that it has to be unwrapped along its angles."""
+    """Whether a formula gives a signal, by name, only within one turn, so that it has to be unwrapped along its angles.
+
+    Those are the angles of links, but for that of a turning crank.
+    """
     return is_angle(name) and name != "phi" and (linkage.is_linear or name != f"link:{linkage.crank}:angle")
 
 
@@ -357,7 +389,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 
 @once_per_mechanism
 def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
-    """Every signal of a mechanism by name, with its unit and formula."""
+    """Every signal of a mechanism by name, those not listed too; made once for a mechanism, and not to be changed."""
     linkage, signals = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
     if loaded:
@@ -381,9 +413,9 @@ def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
 
 
 def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[str, NamedSignal]]:
-    """Yield the thread's length, and its feed where it has a zero, by name.
+    """Yield the name and the signal of the thread's feed, if its reference angle can be found, and of its length.
 
-    An eye's extreme position, from which it counts, needs a full turn.
+    An eye's extreme position, from which the feed may count, needs a full turn.
     """
     with suppress(LinkproofError):
         start = reference_length(mechanism, path)
@@ -398,9 +430,9 @@ def _thread_signals(mechanism: Mechanism, path: ThreadPath) -> Iterator[tuple[st
 
 
 def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
-    """The signals of a kind, by name: every component of each of its parts (points, links, joints).
+    """The signals of a kind, by name: every component of each of its parts (points, links, joints), which are names.
 
-    ``formula`` computes one of them by name and component.
+    ``formula(at, name=..., component=...)`` computes one of them for a ``LinkageInMotion``, by the part's name.
     """
     is_place = kind != "joint_force"
     return {
@@ -413,7 +445,7 @@ def _signals_of_kind(kind: str, parts: Iterable[str], formula: Callable[..., Sca
 
 
 def _point_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
-    """A component of the position, velocity or acceleration of a point, SI."""
+    """A component, x, y, vx, vy, ax or ay, of the motion of a point by name, SI, ground frame."""
     order, axis = divmod(ORDERS.index(component), 2)
     if order == 0:
         return at.sweep.point(name)[axis]
@@ -424,7 +456,10 @@ def _point_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
 
 
 def _link_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
-    """A link's angle, angular velocity or angular acceleration, SI."""
+    """The angle, "angle", angular velocity, "omega", or angular acceleration of a link by name, SI.
+
+    The angle is unwrapped along the sweep's last axis.
+    """
     if component == "angle":
         return at.sweep.angles(name)
     first = at.sweep.rates(name)[2]
@@ -434,17 +469,17 @@ def _link_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
 
 
 def _link_inertia(at: LinkageInMotion, link: str) -> Scalar:
-    """The moment of inertia of one link reduced to the crank, kg m²."""
+    """The share of one link, by name, in the moment of inertia reduced to the crank, kg m²."""
     return reduced.reduced_inertia(at.sweep, [link])
 
 
 def _joint_force_component(at: LinkageInMotion, name: str, component: str) -> Scalar:
-    """The x or y component of a joint's force, N."""
+    """The x or y component of the force of a joint, by name, on its first body, N, ground frame."""
     return at.joint_forces[name]["xy".index(component)]
 
 
 def _transmission_angle(at: LinkageInMotion, group: str) -> Scalar:
-    """The transmission angle of a group by its name, rad."""
+    """The transmission angle of a group by its name, rad, in [0, π/2]."""
     dyad = next(dyad for dyad in at.sweep.structure.dyads if dyad.name == group)
     return transmission_angle(at.sweep, dyad)
 
@@ -488,9 +523,9 @@ def evaluate(
 
 
 def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
-    """A scalar as it is, or an array of the angles' shape flattened; raises LinkproofError for another shape.
+    """A number as an array without axes, or an array of the angles' shape flattened.
 
-    ``name`` is what the value is called in the message.
+    Raises LinkproofError for another shape; ``name`` is what the value is called in the message.
     """
     values = np.asarray(value, dtype=float)
     if values.ndim and values.shape != angle.shape:
@@ -502,9 +537,10 @@ def _flat_as_angles(angle: Array, value: ArrayLike, name: str) -> Array:
 
 
 def _evaluate_pieces(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion: Sequence[Array]) -> Array:
-    """Signals (signals, angles), SI, piece by piece; S counts from the ground's origin.
+    """Signals by name at flat crank angles, rad, (signals, angles), SI, piece by piece.
 
-    ``motion`` has the crank's speed and acceleration, each a number or (angles,).
+    S is minus the output's coordinate, still without its zero. ``motion`` has the crank's speed and acceleration, each
+    a number or (angles,). Raises AssemblyError where the linkage cannot be assembled or moved.
     """
     values = np.empty((len(names), angle.size))
     for start in range(0, angle.size, PIECE):

@@ -40,11 +40,14 @@ class Mechanism:
     """
 
     def __init__(self, linkage: Linkage) -> None:
-        """The closed form of a linkage; raises StructureError or AssemblyError where it has none."""
+        """The closed form of a ``linkage``, which is kept; raises StructureError or AssemblyError where it has none."""
         self._assemble(linkage, ())
 
     def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
-        """Set the linkage, its structure with assembly modes and change points, and its period."""
+        """Set the linkage, its structure with assembly modes and change points, and its period.
+
+        ``signs`` are those of the dyads in order; without any the sketch picks the modes. Raises as the class does.
+        """
         self.linkage = linkage
         signed = _with_assembly_modes(linkage, find_structure(linkage), signs)
         self.structure, self.undetermined = with_change_points(signed, linkage.sketch_angle)
@@ -52,13 +55,20 @@ class Mechanism:
         self._ranges: dict[float | None, CrankRange] = {}
 
     def redesigned(self, linkage: Linkage) -> Mechanism:
-        """The closed form of a linkage that differs in numbers only, its dyads in the assembly modes of this one."""
+        """The closed form of a linkage that differs in numbers only, its dyads in the assembly modes of this one.
+
+        Whether its dyads meet is not checked; raises StructureError or AssemblyError for a group of a higher class that
+        the sketch leaves open or that does not meet.
+        """
         other = Mechanism.__new__(Mechanism)
         other._assemble(linkage, [dyad.sign for dyad in self.structure.dyads])
         return other
 
     def with_loads_of(self, linkage: Linkage) -> Mechanism:
-        """The closed form of a linkage that differs in masses and loads only, so that it moves as this linkage does."""
+        """The closed form of a linkage that differs in masses and loads only, so that it moves as this linkage does.
+
+        It shares what this one has worked out about the motion.
+        """
         other = copy(self)
         other.__dict__.pop("turn", None)
         other.linkage = linkage
@@ -66,7 +76,7 @@ class Mechanism:
 
     @property
     def cycle(self) -> float:
-        """The angle, rad, through which the crank turns until motion and loads repeat."""
+        """The angle, rad, through which the crank turns until motion and loads repeat: one turn, or several."""
         return max(self.period, self.linkage.load_period)
 
     @property
@@ -76,19 +86,26 @@ class Mechanism:
 
     @cached_property
     def changes(self) -> tuple[float, ...]:
-        """Crank angles, rad in [0, 2π), of change points that the linkage passes smoothly."""
+        """Crank angles, rad in [0, 2π), ascending, of change points that the linkage passes smoothly."""
         points = [dyad.changes.angles for dyad in self.structure.dyads if dyad.changes]
         turned = [float(np.mod(angle, FULL_TURN)) for angles in points for angle in angles]
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
-        """The linkage at every φ (rad or m, any shape); poses are computed when they are needed."""
+        """The linkage at every φ (rad or m, any shape); poses are computed when they are needed.
+
+        AssemblyError, where it cannot be assembled or moved, is raised only then.
+        """
         places = np.asarray(angle, dtype=float)
         return Sweep(self.linkage, self.structure, places, zero_of_s=self.zero_of_s)
 
     @cached_property
     def output_reversals(self) -> Array:
-        """Crank angles, rad, at which the output turns back: roots of its first derivative, not grid points."""
+        """Crank angles, rad, ascending, at which the output turns back: roots of its first derivative, not grid points.
+
+        They are those of one period of the motion. Raises LinkproofError without an output, AssemblyError where the
+        linkage cannot be assembled or moved over a turn.
+        """
         return zeros(lambda phi: self.sweep(phi).output(1), turns=round(self.period / FULL_TURN))
 
     def zero_of_s(self) -> float:
@@ -100,7 +117,7 @@ class Mechanism:
 
     @cached_property
     def _top_of_output(self) -> float:
-        """The output's largest coordinate over a turn, m; raises LinkproofError without a full turn."""
+        """The output's largest coordinate over a turn, m; raises LinkproofError without a full turn that moves it."""
         try:
             self.check_full_turn()
             return float(np.max(self.sweep(self.output_reversals).output()))
@@ -111,7 +128,10 @@ class Mechanism:
             ) from error
 
     def where_assembled(self, function: Callable[[Sweep], Array], angle: Array) -> Array:
-        """Values of a function of the linkage at φ (n,), rad or m; nan where it cannot be assembled or moved."""
+        """Values (n,) of a function of the linkage at φ (n,), rad or m; nan where it cannot be assembled or moved.
+
+        ``function`` takes the sweep at these φ, whose poses are meaningless at such places, and gives the values.
+        """
         faults = np.zeros(angle.shape, dtype=bool)
         with np.errstate(all="ignore"):  # of what is meaningless
             values = function(Sweep(self.linkage, self.structure, angle, faults, zero_of_s=self.zero_of_s))
@@ -126,7 +146,8 @@ class Mechanism:
     def turn(self) -> Sweep:
         """The linkage over a turn in half-degree steps, from which extremes are refined; over its range if pushed.
 
-        Of a linkage that repeats its motion after several turns as many (``period``).
+        Of a linkage that repeats its motion after several turns as many (``period``). Raises AssemblyError where the
+        range of a pushed one cannot be found.
         """
         if self.linkage.is_linear:
             low, high = self.crank_range().limits
@@ -134,7 +155,10 @@ class Mechanism:
         return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
 
     def crank_range(self, start: float | None = None) -> CrankRange:
-        """The range of φ around a start, rad or m, the sketch's if None, with its limits; raises AssemblyError."""
+        """The range of φ around a start, rad or m, the sketch's if None, with its limits; kept for each start.
+
+        Raises AssemblyError where the linkage cannot be assembled at the start.
+        """
         if start not in self._ranges:
             self._ranges[start] = crank_range(self.linkage, self.structure, self.undetermined, start)
         return self._ranges[start]
@@ -157,7 +181,10 @@ class Mechanism:
                 raise AssemblyError(f"'{self.linkage.name}' is undetermined at {degrees(angle)}: {dyad.words} {reason}")
 
     def check_rest(self, angle: float) -> None:
-        """Raise AssemblyError where the crank rests, at ``angle``, rad, on a change point: two motions begin there."""
+        """Raise AssemblyError where the crank rests, at ``angle``, rad, on a change point: two motions begin there.
+
+        Nearer than 1e-6 rad counts as on it.
+        """
         for dyad in self.structure.dyads:
             for change in dyad.changes.angles if dyad.changes else ():
                 if abs((angle - change + np.pi) % FULL_TURN - np.pi) < AT_REST:
@@ -172,7 +199,10 @@ Value = TypeVar("Value")
 
 
 def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mechanism], Value]:
-    """A decorator: the function computes its value once per mechanism and keeps it as long as the mechanism."""
+    """A decorator of a function of a mechanism, whose value is computed once for each.
+
+    The value, not a copy, is kept as long as the mechanism; an error is not kept.
+    """
     known: WeakKeyDictionary[Mechanism, Value] = WeakKeyDictionary()
 
     @wraps(function)
@@ -188,8 +218,9 @@ def once_per_mechanism(function: Callable[[Mechanism], Value]) -> Callable[[Mech
 def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
     """The structure with each group's assembly mode nearest to the sketch, chosen group by group.
 
-    Dyads take the ``signs``, if there are any. Raises AssemblyError where links do not meet at the sketch,
-    StructureError where it leaves a mode open.
+    Dyads take the ``signs``, in order, if there are any; groups of a higher class get the branch of the sketch's
+    configuration. Raises AssemblyError where links do not meet at the sketch, StructureError where it leaves a mode
+    open.
     """
     left = iter(signs)
     poses = driver_poses(structure, linkage.sketch_angle)
@@ -206,10 +237,17 @@ def _with_assembly_modes(linkage: Linkage, structure: Structure, signs: Sequence
 
 
 def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
-    """A group of a higher class with the configuration that the sketch means, followed over φ."""
+    """A group of a higher class with the configuration that the sketch means, followed over φ, as its ``branch``.
+
+    ``before`` is the structure of the groups solved before it. Raises StructureError where the sketch leaves the
+    configuration open, AssemblyError where there is none or it stands in a dead position.
+    """
 
     def hosts(angle: Array) -> Motions:
-        """Motions, over φ, of the bodies that the group hangs on."""
+        """Motions, over φ (n,), by name, of the bodies that the group hangs on: pose, rate, acceleration.
+
+        Every number of them is an array (n,).
+        """
         sweep = Sweep(linkage, before, angle)
         motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
         full = np.ones(angle.shape)
@@ -221,9 +259,10 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: ClosedGroup, poses: dict[str, Pose]) -> ClosedGroup:
-    """The dyad in the assembly mode that the sketch means.
+    """The dyad in the assembly mode that the sketch means; one with a single mode as it is.
 
-    Raises StructureError if it is open, AssemblyError if there is none.
+    ``poses``, by name, are those of the bodies before it at the sketch. Raises StructureError if it is open,
+    AssemblyError if there is none.
     """
     if not dyad.has_two_modes:
         return dyad

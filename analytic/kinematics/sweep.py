@@ -31,7 +31,7 @@ FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground
 
 
 def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
-    """Pose of the driver at φ: turned about its pin, or shifted along its guide."""
+    """Pose of the driver at φ, rad or m: turned about its pin, or shifted along its guide."""
     if isinstance(pivot, Prismatic):
         x, y = frames.point_along(pivot.origin, angle, pivot.along)
         return (x, y, *pivot.turn)
@@ -39,7 +39,7 @@ def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
 
 
 def crank_motion(pivot: Revolute | Prismatic, angle: Scalar) -> tuple[Pose, Rate, Rate]:
-    """Pose of the driver's frame at φ, and its first and second derivative."""
+    """Pose of the driver's frame at φ, rad or m, and its first and second derivative over φ."""
     crank = crank_pose(pivot, angle)
     if isinstance(pivot, Prismatic):
         return crank, (*pivot.along, 0.0), STILL
@@ -59,7 +59,10 @@ def output_of(linkage: Linkage) -> Output:
 
 
 def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
-    """Poses of the ground and the driven link, which belong to no group."""
+    """Poses, by name, of the ground and the driven link at φ, rad or m, which belong to no group.
+
+    Without a pivot, where a cylinder drives, it is the ground's alone.
+    """
     poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
     return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
 
@@ -67,7 +70,7 @@ def driver_poses(structure: Structure, angle: Scalar) -> dict[str, Pose]:
 def solver_of(group: AnyGroup, angle: Array, windows: Windows | None = None) -> DyadSolver | GroupSolver:
     """The solver of a group at values of φ: formulas where there are any, Newton's method for a higher class.
 
-    Dyads of one linkage share the ``windows`` of change points at these values.
+    Dyads of one linkage share the ``windows`` of change points at these values, which they fill.
     """
     return DyadSolver(group, angle, windows) if isinstance(group, ClosedGroup) else GroupSolver(group, angle)
 
@@ -115,23 +118,32 @@ class Sweep:
                 known[linkage.crank] = part
 
     def with_loads_of(self, linkage: Linkage) -> Sweep:
-        """The sweep of a linkage that differs in masses and loads only: its poses are those that are known here."""
+        """The sweep of a linkage that differs in masses and loads only: its poses are those that are known here.
+
+        Both share those worked out later, too.
+        """
         other = copy(self)
         other.linkage, other._centres = linkage, {}
         return other
 
     def poses(self, body: str) -> Pose:
-        """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
+        """Origin x, y, m, and cosine and sine of the angle of a body's frame in the ground's.
+
+        Raises UnknownNameError for no link, AssemblyError where it cannot be assembled.
+        """
         pose: Pose = self._solve(body, 0)
         return pose
 
     def rates(self, body: str) -> Rate:
-        """First derivatives x', y' (m/rad) and θ' of a body's frame."""
+        """First derivatives x', y' (m/rad) and θ' over φ of a body's frame.
+
+        Raises UnknownNameError for no link, AssemblyError where it cannot be assembled or moved.
+        """
         rate: Rate = self._solve(body, 1)
         return rate
 
     def accelerations(self, body: str) -> Rate:
-        """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
+        """Second derivatives x'', y'' (m/rad²) and θ'' over φ of a body's frame; raises as ``rates`` does."""
         second: Rate = self._solve(body, 2)
         return second
 
@@ -161,18 +173,24 @@ class Sweep:
         return known[body]
 
     def determinant(self, dyad: ClosedGroup) -> Scalar:
-        """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position."""
+        """Determinant of the dyad's closure equations: its sign is the assembly mode's; zero in a dead position.
+
+        Raises AssemblyError where the dyad cannot be assembled.
+        """
         return self.solver(dyad).form.determinant
 
     def solver(self, dyad: ClosedGroup) -> DyadSolver:
-        """The dyad's solver, its poses known."""
+        """The dyad's solver, its poses known; raises AssemblyError where they cannot be assembled."""
         self.poses(dyad.first)
         solver = self._solvers[dyad.first]
         assert isinstance(solver, DyadSolver)
         return solver
 
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
-        """Raise AssemblyError where a group's links do not meet, or note it in ``faults``."""
+        """Raise AssemblyError where a group's links do not meet, or note it in ``faults``.
+
+        Raises LinkproofError for φ that are not finite.
+        """
         check_assembly(self.linkage, solver, self.angle, self.faults)
 
     def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
@@ -180,17 +198,23 @@ class Sweep:
         check_motion(self.linkage, solver, self.angle, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
-        """Place, m, ground frame, of a point of a body's frame, or its derivative of order 1 or 2 over φ."""
+        """Place, m, ground frame, of the point ``local`` of a body's frame, or its derivative of order 1 or 2 over φ.
+
+        Raises UnknownNameError for no link, AssemblyError where it cannot be assembled or moved.
+        """
         motion: Any = tuple(self._solve(body, k) for k in range(order + 1))
         return point_derivative(motion, local, order)
 
     def point(self, name: str, order: int = 0) -> Array:
-        """A named point in the ground frame, m, or its derivative of an order over φ; shape (2, *angle.shape)."""
+        """A named point in the ground frame, m, or its derivative of order 1 or 2 over φ; shape (2, *angle.shape).
+
+        Raises UnknownNameError for an unknown point, AssemblyError where its link cannot be assembled or moved.
+        """
         body = self.carrier(name)
         return self._filled(self.local_point(body, self.linkage.local(name, body), order))
 
     def carrier(self, name: str) -> str:
-        """The body through which a named point is cheapest to reach: ground, crank, else the link solved first.
+        """Name of the body through which a named point is cheapest to reach: ground, crank, else the link solved first.
 
         Raises UnknownNameError for an unknown point.
         """
@@ -202,7 +226,7 @@ class Sweep:
 
     @cached_property
     def _carriers(self) -> dict[str, str]:
-        """The moving link that carries each point and is solved first, by the point's name."""
+        """The name of the moving link that carries each point and is solved first, by the point's name."""
         links = self.linkage.links
         order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
         return {point: body for body in reversed(order) if body in links for point in links[body].points}
@@ -210,7 +234,7 @@ class Sweep:
     def angles(self, body: str) -> Array:
         """Angle of a link's frame, rad, shape of the crank angles, unwrapped along their last axis.
 
-        A turning crank's is φ.
+        A turning crank's is φ itself. Raises as ``poses`` does.
         """
         if body == self.linkage.crank and not self.linkage.is_linear:
             return self.angle
@@ -218,14 +242,20 @@ class Sweep:
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
 
     def turned_from(self, bodies: tuple[str, str], angle: float) -> Array:
-        """Angle, rad, of the first body against the second less ``angle``, within half a turn to either side."""
+        """Angle, rad, of the first body against the second less ``angle``, rad, within half a turn to either side.
+
+        ``bodies`` are names; raises as ``poses`` does.
+        """
         (_, _, c1, s1), (_, _, c2, s2) = (self.poses(body) for body in bodies)
         c, s = frames.turned((0.0, 0.0, c2, s2), (np.cos(angle), np.sin(angle)))
         turned: Array = np.arctan2(s1 * c - c1 * s, c1 * c + s1 * s)
         return turned
 
     def centre(self, body: str, order: int = 0) -> Pair:
-        """Mass centre of a link, m, or its derivative of an order; stored, since all of the dynamics uses it."""
+        """Mass centre of a link, by name, m, ground frame, or its derivative of order 1 or 2 over φ.
+
+        It is kept, since all of the dynamics uses it. Raises AssemblyError where it cannot be assembled or moved.
+        """
         if (body, order) not in self._centres:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
         return self._centres[body, order]
@@ -237,7 +267,8 @@ class Sweep:
     def output(self, order: int = 0) -> Array:
         """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles.
 
-        Raises LinkproofError for a linkage without an output.
+        The order of the derivative over φ is 1 or 2. Raises LinkproofError for a linkage without an output,
+        AssemblyError where it cannot be assembled or moved.
         """
         output = output_of(self.linkage)
         x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
@@ -245,9 +276,11 @@ class Sweep:
         return np.broadcast_to(along, self.angle.shape)
 
     def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain or traced
-        """Components, SI, of a force's or torque's law at the sweep's places, 0 where it does not act.
+        """Components, SI, of a force's or torque's law at the sweep's φ, or at S, 0 where it does not act.
 
-        ``speed`` gives the direction of the motion; a driver at rest counts as advancing.
+        There is an entry for each. ``speed`` gives the direction of the motion for a law that acts on one way only; a
+        driver at rest counts as advancing. Raises LinkproofError for a law that needs the output of a linkage without
+        one.
         """
         parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
         if law.when is None:
@@ -258,7 +291,10 @@ class Sweep:
         return [acts * part for part in parts]
 
     def closure_error(self) -> Array:
-        """Largest distance between the two ends of any joint, m, per crank angle: a check of loop closure."""
+        """Largest distance between the two ends of any joint, m, per crank angle: a check of loop closure.
+
+        Of a slide it is the distance across its line. Raises AssemblyError where the linkage cannot be assembled.
+        """
         worst = np.zeros(self.angle.shape)
         for joint in (joint for group in self.structure.groups for joint in group.joints):
             motions = {body: (self.poses(body), STILL, STILL) for body in (joint.near, joint.far)}
@@ -279,7 +315,10 @@ class Sweep:
 
 
 def transmission_angle(sweep: Sweep, dyad: ClosedGroup) -> Array:
-    """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
+    """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep, as a new array.
+
+    Raises AssemblyError where the dyad cannot be assembled.
+    """
     solver = sweep.solver(dyad)
     first, second = solver.form.columns(solver.link_poses)
     angle = np.arctan2(np.abs(frames.cross(first, second)), np.abs(frames.dot(first, second)))  # of two lines, acute

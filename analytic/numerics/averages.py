@@ -74,5 +74,5 @@ def _cell_integrals(
 
 
 def _sums(parts: Array, row: Integers, rows: int) -> Array:
-    """Sums of parts (k, n) of the same row, (k, rows): ``row`` (n,) has each part's number of one, below ``rows``."""
+    """Sums of parts (k, n) row by row, (k, rows); ``row`` (n,) is the number of each part's row, below ``rows``."""
     return np.array([np.bincount(row, part, rows) for part in parts])
