@@ -108,7 +108,7 @@ class History:
 
     @classmethod
     def of(cls, signals: Mapping[tuple[Channel, str], Signal]) -> History:
-        """The history of signals that are given by channel and joint."""
+        """The history of signals by channel and joint, "" for all but joint forces, as ``signals`` has them."""
         forces = {joint: signal for (channel, joint), signal in signals.items() if channel is Channel.JOINT_FORCE}
         whole = {
             channel.value: signal for (channel, _), signal in signals.items() if channel is not Channel.JOINT_FORCE
@@ -223,6 +223,7 @@ class StudiedEngine(Engine, Protocol):
 
         A method without steps (an exact solution at every instant) only samples there. Refuses nothing that ``run``
         takes; the outcome is DIVERGED only where there is no history to return or the engine itself gave up, so that
-        the result of too long a step can be judged from outside.
+        the result of too long a step can be judged from outside. Raises UnknownNameError for a method that is not its
+        own, LinkproofError for a step or an effort out of bounds.
         """
         ...

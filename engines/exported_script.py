@@ -61,7 +61,10 @@ class ScriptFigure(NamedTuple):
     true: float = 0.0
 
     def factor(self, units: OwnUnits | None, driver: DriverKind) -> float:
-        """The size, SI, of the unit in which the script counts its samples of this figure; 1 without own units."""
+        """The size, SI, of the unit in which the script counts its samples of this figure; 1 in SI and for an angle.
+
+        ``units`` is None for SI; ``driver`` tells a drive's torque from a force.
+        """
         kind, *joint = self.signal
         if units is None or (kind not in ("torque", "joint_force") and self.element[-1] == ANGLE):
             return 1.0
@@ -75,12 +78,13 @@ def script(
     about: str,
     figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
-    """Python source that repeats one run without linkproof.
+    """Python source that repeats one run of a scene by a recipe, without linkproof.
 
-    The run is made here once: ``figures`` takes those of its history that the script shows at its end. ``about``
-    describes the run.
+    The run is made here once: ``figures`` takes, from its history in SI, those that the script shows at its end.
+    ``about`` describes the run; it heads the source, with the reason of a run that diverges, which shows no figures.
 
-    Raises UnsupportedError in a sentence for what cannot be exported.
+    Raises UnsupportedError, with the reason in a sentence, for a scene that the engine does not take, several runs that
+    are extrapolated, or a loop that imports a part of linkproof.
     """
     reason = engine.obstacle(scene)
     if reason is not None:
@@ -110,14 +114,16 @@ def script(
 
 
 def written(value: object) -> str:
-    """Python source of plain data, such that text in it cannot become code."""
+    """Python source of plain data, such that text in it cannot become code; raises TypeError for other data."""
     return pformat(plain(value), width=WIDTH, compact=True, sort_dicts=False)
 
 
 def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, ...]]) -> None:
     """Print, at the end of an exported script, where the engine is furthest from the closed form, in SI units.
 
-    A figure is as ``ScriptFigure`` has it, followed by the size of its unit.
+    ``samples`` are as ``follow`` returns them: times and values by channel. A figure has what it is, its unit, channel
+    and joint, the element of a sample, the time, s, the engine's value when exported, the closed form's, and the size
+    of the samples' unit. It is read at the sample nearest to its time.
     """
     print(f"{'':44}{'time, s':>9}{engine:>20}{'when exported':>20}{'closed form':>20}{'difference':>12}")  # noqa: T201
     for what, unit, (channel, *joint), element, at, exported, true, factor in figures:
@@ -130,8 +136,8 @@ def show_figures(engine: str, samples: dict[str, Any], figures: list[tuple[Any, 
 def _standalone_source(loop: str) -> tuple[str, str]:
     """Docstring and source of a loop's module, without remarks for linters, to run without linkproof.
 
-    The source of another loop that it imports from stands before it. Raises UnsupportedError where it imports more of
-    linkproof.
+    ``loop`` is the module's name. The source of another loop that it imports from stands before it. Raises
+    UnsupportedError where it imports more of linkproof, or by a relative import.
     """
     source = inspect.getsource(import_module(loop))
     module, lines, before = ast.parse(source), source.splitlines(), list[str]()
@@ -154,7 +160,7 @@ def _standalone_source(loop: str) -> tuple[str, str]:
 
 
 def _without_remarks(source: str) -> str:
-    """A source without the remarks that address linters."""
+    """A source without the remarks, from "# noqa" to the line's end, that address linters."""
     return re.sub(r"  # noqa.*", "", source)
 
 

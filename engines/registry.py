@@ -38,7 +38,8 @@ class PluginError(Exception):
 class Unusable:
     """Stand-in for an adapter that cannot be loaded: loading it raised the ``error``.
 
-    ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did.
+    ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did, "" where
+    that is unknown.
     """
 
     name: str
@@ -49,7 +50,7 @@ class Unusable:
     abilities: Abilities = NO_ABILITIES
 
     def version(self) -> str | None:
-        """Version of the package that announces the adapter, since the engine's is not available; None if unknown."""
+        """Version of the package that announces the adapter, since the engine's is not available; "" if unknown."""
         return self.announced_by
 
     def why_unavailable(self) -> str | None:
@@ -62,19 +63,25 @@ class Unusable:
 
 
 def _announced() -> dict[str, EntryPoint]:
-    """Entry points by engine name, in name order; where two announce one name, ours wins. Nothing is imported."""
+    """Entry points by engine name, in name order; where two announce one name, ours wins. Nothing is imported.
+
+    They are read once for each ``sys.path``.
+    """
     return _read_announced(tuple(sys.path))
 
 
 @cache
 def _read_announced(_: tuple[str, ...]) -> dict[str, EntryPoint]:
-    """The same for a search path, by which they are cached, since reading them takes longer than many runs."""
+    """The group's entry points by engine name, in name order, ours before another of the same name.
+
+    The argument, ``sys.path``, is only the key by which they are cached: reading them takes longer than many runs.
+    """
     entries = sorted(entry_points(group=GROUP), key=lambda entry: _is_ours(entry.value))
     return dict(sorted((entry.name, entry) for entry in entries))
 
 
 def engine_names() -> tuple[str, ...]:
-    """Names of all engines that have an adapter, installed or not."""
+    """Names of all engines that have an adapter, installed or not, in their order."""
     return tuple(_announced())
 
 
@@ -97,9 +104,9 @@ def is_plugin(name: str) -> bool:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name, or an Unusable one if it does not load; does not import the engine itself.
+    """A new adapter of that name, or an Unusable one if loading it raises anything; the engine itself is not imported.
 
-    Raises UnknownNameError for a name that no package announces.
+    Raises UnknownNameError for a name that no package announces; a user's KeyboardInterrupt passes.
     """
     try:
         return _load_adapter(entry_point(name))
@@ -121,7 +128,8 @@ def stand_in(name: str, error: BaseException) -> Unusable:
 def why_unavailable(adapter: Engine) -> str | None:
     """The reason, in one sentence with the cure, why an engine cannot be used here; None where it can.
 
-    It is the adapter's own answer, or by its version. Raises PluginError for an own answer that is no text.
+    It is the answer of the adapter's own ``why_unavailable`` or, without one, by its version. Raises PluginError for an
+    answer that is neither text nor None.
     """
     words = getattr(adapter, "why_unavailable", None)
     if words is not None:
@@ -133,9 +141,9 @@ def why_unavailable(adapter: Engine) -> str | None:
 
 
 def _load_adapter(entry: EntryPoint) -> Engine:
-    """Import, create and check the adapter of an entry point; raises PluginError if it breaks the contract.
+    """Import, create, check and return the adapter of an entry point; raises PluginError if it breaks the contract.
 
-    Errors of the import pass; what it prints is dropped.
+    Errors of the import and of the adapter's own code pass; what they print to standard output is dropped.
     """
     with contextlib.redirect_stdout(io.StringIO()):  # the output of the command may be JSON or a script
         adapter: Engine = entry.load()()
@@ -149,7 +157,10 @@ def _load_adapter(entry: EntryPoint) -> Engine:
 
 
 def check_adapter(adapter: Engine) -> None:
-    """Raise PluginError unless name, version, ``is_control`` and ``abilities`` have the contract's types."""
+    """Raise PluginError unless name, version, ``is_control`` and ``abilities`` have the contract's types.
+
+    A blank name counts as none.
+    """
     version = adapter.version()
     if not isinstance(adapter.name, str) or not adapter.name.strip():
         raise PluginError(f"expected a name as text, got {adapter.name!r}")
@@ -160,7 +171,7 @@ def check_adapter(adapter: Engine) -> None:
 
 
 def _is_ours(module: str) -> bool:
-    """Whether a module is one of linkproof's own adapters, by its name."""
+    """Whether a module, by its name or an entry point's value, is one of linkproof's own adapters."""
     return module.startswith("engines.")
 
 
@@ -169,7 +180,7 @@ def _is_ours(module: str) -> bool:
 
 @cache
 def installed_version(name: str) -> str | None:
-    """Version of the installed package of this name; None where it is absent."""
+    """Version of the installed package of this name, looked up once in a process; None where it is absent."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -177,10 +188,10 @@ def installed_version(name: str) -> str | None:
 
 
 def why_unusable(package: str, extra: str, oldest: str = "") -> str | None:
-    """The reason, with the cure, why an engine cannot be used, by its package's metadata; None where it can.
+    """The reason, with the cure, why an engine cannot be used: its package is absent or too old; else None.
 
-    Nothing is imported. ``extra`` is the extra of linkproof that brings the package, if there is one of that name,
-    ``oldest`` the first version that will do, "" for any.
+    The package's metadata tell, nothing is imported. ``extra`` is the extra of linkproof that brings the package, if
+    there is one of that name, ``oldest`` the first version that will do, "" for any.
     """
     version = installed_version(package)
     if version is not None and _version_numbers(version) >= _version_numbers(oldest):
@@ -192,7 +203,7 @@ def why_unusable(package: str, extra: str, oldest: str = "") -> str | None:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """The first three numbers of a version, for comparison; fewer if it has fewer, none for ""."""
+    """The first three numbers of a version, as text, for comparison; fewer if it has fewer, none for ""."""
     return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
 
 
@@ -206,7 +217,10 @@ def flush() -> None:
 
 @contextmanager
 def silenced(into: str = os.devnull) -> Iterator[None]:
-    """In the block, append standard output and error, C code's included, to a file; by default they are lost."""
+    """In the block, append standard output and error, C code's included, to a file; by default they are lost.
+
+    ``into`` is its path; raises OSError where it cannot be opened.
+    """
     flush()  # what was written before is not lost
     streams = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:

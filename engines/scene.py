@@ -64,7 +64,7 @@ class TwoPoints:
 
     @property
     def ends(self) -> tuple[End, End]:
-        """The first body and the point on it, then the second."""
+        """The first body's name and the point on it, in its frame, m; then the second's."""
         return (self.first, self.first_anchor), (self.second, self.second_anchor)
 
 
@@ -84,7 +84,10 @@ class PinJoint(TwoPoints):
 
 @dataclass(frozen=True)
 class GuidedJoint:
-    """Joint that keeps ``anchor`` of ``body`` on a line of ``host`` through a point, along a direction."""
+    """Joint that keeps ``anchor`` of ``body`` on a line of ``host`` through a point, along a direction.
+
+    Each is in the frame of its body; the joint force is the force the joint exerts on ``body``.
+    """
 
     name: str
     body: str
@@ -95,7 +98,7 @@ class GuidedJoint:
 
     @property
     def ends(self) -> tuple[End, End]:
-        """The body and its point, then the host and the point that the line goes through."""
+        """The body's name and its point, then the host's name and a point of the line; body frames, m."""
         return (self.body, self.anchor), (self.host, self.through)
 
 
@@ -109,7 +112,10 @@ class SlotJoint(GuidedJoint):
 
 @dataclass(frozen=True)
 class AppliedForce:
-    """Force on a body at an anchor; two components in the ``frame`` of a body, and the reverse on the ``reaction``."""
+    """Force on a body at an anchor; two components in the ``frame`` of a body, and the reverse on the ``reaction``.
+
+    ``body``, ``frame`` and ``reaction`` are names.
+    """
 
     body: str
     anchor: Position
@@ -274,12 +280,12 @@ class Scene:
 
     @property
     def driven_slider(self) -> SliderJoint:
-        """The slider that a linear drive pushes; raises StopIteration where the crank is no slider."""
+        """The slider whose body is the driven one, ``crank``; raises StopIteration where there is none."""
         return next(slider for slider in self.sliders if slider.body == self.crank)
 
     @property
     def driver_ends(self) -> tuple[End, End]:
-        """The two ends of a linear driver; not for a crank.
+        """The two ends, each a body's name and a point of it, of a linear driver; raises StopIteration for a crank.
 
         φ counts from the second anchor to the first, along the guide of a slider or along the cylinder.
         """
@@ -296,7 +302,7 @@ class Scene:
         return (*self.pins, *self.guided)
 
     def can_turn(self, body: Body) -> bool:
-        """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
+        """Whether a body of the scene can turn: it has an inertia and does not slide on something that cannot."""
         return body.inertia is not None and turns(body.name, {each.body: each.host for each in self.sliders})
 
 
@@ -306,9 +312,10 @@ class Scene:
 def build_scene(
     linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel], zero_of_s: float = 0.0
 ) -> Scene:
-    """The scene, which is all that an engine is given of a linkage; ``start`` holds its links as bodies.
+    """The scene, which is all that an engine is given of a linkage; ``start`` has each link by name, as a body.
 
-    ``zero_of_s`` is the output's coordinate, m, from which loads over S count.
+    A slider that acts as a point mass becomes a pin in a slot, and its inertia its host's. ``channels`` are those to
+    record. ``zero_of_s`` is the output's coordinate, m, from which loads over S count.
     """
     merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
@@ -375,7 +382,7 @@ def _friction(linkage: Linkage) -> Iterator[CoulombFriction]:
 
 
 def _travel(linkage: Linkage, zero: float) -> Travel | None:
-    """The output's travel, from which loads over S count, from ``zero``, m; None if no load depends on it."""
+    """The output's travel S, which counts from ``zero``, m; None without an output or a load that depends on it."""
     output = linkage.output
     if output is None or not linkage.has_loads_of_output:
         return None
@@ -396,7 +403,8 @@ def _cylinder(linkage: Linkage) -> Cylinder | None:
 def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
     """Whether a slider in a moving slot acts as a point mass, so that its inertia can be added to the host's.
 
-    It is pinned at its centre, and nothing else acts on it: no friction, guide, damper, cylinder or torque.
+    Its one point is its centre, which is pinned, and nothing turns it or turns with it: no friction, guide, damper,
+    cylinder, torque, and no force in its frame or with its reaction on it.
     """
     link = linkage.links[slider.link]
     return (
@@ -428,9 +436,9 @@ def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
 
 
 def turns(name: str, hosts: Mapping[str, str]) -> bool:
-    """Whether a body turns; a slider, of a body in ``hosts``, turns with its host.
+    """Whether a body, by its name, can turn: a slider if its host can, any other if it is not the ground.
 
-    Bodies that slide on each other in a circle count as turning.
+    ``hosts`` names each slider's host by the slider. Bodies that slide on each other in a circle count as turning.
     """
     left = dict(hosts)
     while name in left:
@@ -439,7 +447,7 @@ def turns(name: str, hosts: Mapping[str, str]) -> bool:
 
 
 def _from_centre(linkage: Linkage, body: str, local: Vector) -> Vector:
-    """A point of a body, given in its link's frame, from its mass centre, m; the ground keeps its own frame."""
+    """A point of a body, given in its link's frame, from its mass centre, m; one of the ground comes back as it is."""
     if body == GROUND:
         return local
     centre = linkage.links[body].centre
@@ -447,12 +455,12 @@ def _from_centre(linkage: Linkage, body: str, local: Vector) -> Vector:
 
 
 def _anchor_of_point(linkage: Linkage, point: str, body: str) -> Vector:
-    """A named point of a body, from its mass centre, in the body's frame, m."""
+    """A named point of a body, from its mass centre, in its frame, m; raises KeyError where it has no such point."""
     return _from_centre(linkage, body, linkage.local(point, body))
 
 
 def _slot_body(linkage: Linkage, slot: Slot) -> str:
-    """Name of the body, or GROUND, that carries the pin of a slot."""
+    """Name of the body, or GROUND, that carries the pin of a slot and is not the slot's host."""
     if slot.point in linkage.ground:
         return GROUND
     return next(name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host)

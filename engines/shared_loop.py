@@ -11,9 +11,10 @@ Array = NDArray[np.float64]
 
 
 def motion_values(motion: Iterable[tuple[float, Any]], times: Array) -> Array:
-    """The driver's coordinate, rad or m, at times (n,), s, from polynomials: starts and coefficients, lowest first.
+    """The driver's coordinate, rad or m, at times, s, in their shape, from a motion's polynomials in order.
 
-    The first and the last polynomial go on beyond the motion's ends.
+    Each is its start, s, and its coefficients over the time since then, lowest power first; it holds until the next
+    begins. The first and the last polynomial go on beyond the motion's ends.
     """
     values = np.empty_like(times)
     for number, (start, coefficients) in enumerate(motion):
@@ -23,9 +24,11 @@ def motion_values(motion: Iterable[tuple[float, Any]], times: Array) -> Array:
 
 
 def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
-    """A load's components as a list at an angle, rad, or a travel, m.
+    """A load's components, N or N m, as a list at an angle, rad, or a travel, m.
 
-    The law is constants, or knots, cubics and a period: they repeat, or with the period 0 keep their end values.
+    The law is a list of constants, which itself comes back, or a tuple of knots, rad or m, cubics and a period: for
+    each knot and component four coefficients, lowest power first, over the distance from that knot. They repeat, or
+    with the period 0 keep their end values.
     """
     if isinstance(law, list):
         return law
@@ -37,9 +40,10 @@ def law_values(law: Any, angle: float) -> Any:  # noqa: ANN401
 
 
 def signals(rows: list[tuple[float, dict[str, Any]]], channels: list[str], joints: Any) -> dict[str, Any]:  # noqa: ANN401
-    """Times and values by channel, forces by joint, from rows of an instant, s, and what was read there.
+    """A pair of arrays, times, s, and values, by channel, and by joint under "joint_force".
 
-    A row may lack a channel, but not all rows; ``joints`` are the joints' names, in the order of the forces.
+    A row is an instant, s, and what was read there by channel. It may lack a channel, but where all rows do ValueError
+    is raised. ``joints`` are the joints' names, in the order of the forces.
     """
     samples: dict[str, Any] = {}
     for name in channels:

@@ -45,7 +45,7 @@ class Cost:
 
     @contextmanager
     def timing(self, name: str) -> Iterator[None]:
-        """Add the wall time of the block, s, to the field ``name``: ``seconds`` or ``setup_seconds``."""
+        """Add the block's wall time, s, even if it raises, to the field ``name``: ``seconds`` or ``setup_seconds``."""
         begun = perf_counter()
         try:
             yield
@@ -53,14 +53,15 @@ class Cost:
             setattr(self, name, getattr(self, name) + perf_counter() - begun)
 
     def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
-        """A Run with this outcome, reason and history, and with this cost."""
+        """A Run with this outcome, reason and history, and with the cost so far."""
         return Run(outcome, reason, history, **vars(self))
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
-    """Call ``history`` and make a Run of its result: FINISHED if all numbers are finite, else DIVERGED.
+    """Call ``history`` and make a Run of its result and ``cost``: FINISHED if all values are finite, else DIVERGED.
 
-    A DivergedError or an UnsupportedError becomes its outcome and reason; other errors pass.
+    A DivergedError or an UnsupportedError that it raises becomes the outcome and its message the reason; other errors
+    pass.
     """
     try:
         result = history()
@@ -124,7 +125,10 @@ class Pace:
 
 
 def even_intervals(duration: float, step: float, least: int, cuts: Sequence[float] = ()) -> list[Interval]:
-    """A run of a duration, s, cut at ``cuts``, s: each part in ``least`` or more equal steps of at most ``step``, s."""
+    """A run of a duration, s, cut at ``cuts``, s: each part in ``least`` or more equal steps of at most ``step``, s.
+
+    ``cuts`` increase; those outside the run do not count.
+    """
     borders = [0.0, *(cut for cut in cuts if 0.0 < cut < duration), duration]
     return [
         Interval(start, end, max(least, math.ceil((end - start) / step - ROUNDING))) for start, end in pairwise(borders)
@@ -132,7 +136,11 @@ def even_intervals(duration: float, step: float, least: int, cuts: Sequence[floa
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
-    """The motion as intervals of equal steps, each no longer than the pace allows."""
+    """The motion as intervals, in order, each of equal steps no longer than the pace allows.
+
+    A segment is cut where its speed comes to another grade of the peak, if the pace has steps per turn, and after every
+    ``pace.turns`` turns. The segments of a table, more than MANY, share the least number of steps.
+    """
     first = motion.segments[0]
     if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
         pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))
@@ -148,7 +156,8 @@ def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: 
 
     The step of an interval gives ``pace.steps_per_turn`` at the highest speed of its part, so slow parts have longer
     steps: loads by inertia grow with the square of the speed, and a slow part's error is small beside the peak of a
-    fast one. A step given in seconds, ``pace.step``, is never exceeded. ``after_jump`` is the first interval's.
+    fast one. A step given in seconds, ``pace.step``, is never exceeded. ``after_jump``: the acceleration jumps at the
+    segment's, and so the first interval's, start.
     """
     time = np.linspace(segment.start, segment.end, SAMPLED + 1)
     speed = np.abs(segment.value(time, 1))
@@ -165,7 +174,7 @@ def _cut_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: 
 
 
 def _grade_changes(speed: Array, peak: float) -> list[int]:
-    """Indices at which sampled speeds (n,) come to another grade of the peak; the first and last are left out."""
+    """Indices, but the first and last, at which sampled speeds (n,) have crossed a share in GRADES of the peak."""
     grade = np.digitize(speed, np.multiply(GRADES, peak * EVEN))
     changes = np.flatnonzero(np.diff(grade)) + 1
     return [int(change) for change in changes if change < len(speed) - 1]

@@ -31,18 +31,21 @@ class OwnUnits:
     mass: float
 
     def unit(self, kind: Kind, driver: DriverKind = DriverKind.CRANK) -> float:
-        """Size, in SI, of these units for a kind of number, of which a linear driver changes some."""
+        """Size, in SI, of these units for a kind of number; a linear driver's φ is a length, its torque a force."""
         return kind.of_driver(is_linear=driver is not DriverKind.CRANK).size(self.length, self.mass)
 
 
 def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
-    """The units in which the scene's size is ``size`` and its largest mass is LARGEST_MASS; without mass, 1 kg."""
+    """The units in which the scene's size is ``size`` and its largest mass LARGEST_MASS.
+
+    Where no body has a mass, the largest counts for 1 kg.
+    """
     largest = max(body.mass for body in scene.bodies) or 1.0
     return OwnUnits(scene_size(scene) / size, largest / LARGEST_MASS if largest > 0.0 else 1.0)
 
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
-    """A copy of the scene with every number in these units."""
+    """A copy of the scene with every number, laws' and motion's included, in these units."""
     sizes = {kind: units.unit(kind, scene.driver_kind) for kind in Kind}
     values = {path: value / sizes[kind] for path, kind, value in walk(scene) if sizes[kind] != 1.0}
     result: Scene = with_values(scene, values)
@@ -50,7 +53,7 @@ def scaled(scene: Scene, units: OwnUnits) -> Scene:
 
 
 def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
-    """A copy of a scaled scene's history in SI; the torque of a linear ``driver`` is a force."""
+    """A copy of a history that is in these units, in SI; the torque of a linear ``driver`` is a force."""
     sizes = dict.fromkeys(LEVELS, np.array([units.length, units.length, 1.0]))
     sizes |= {
         Channel.TORQUE: np.array(units.unit(Kind.DRIVE, driver)),

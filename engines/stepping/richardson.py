@@ -39,7 +39,7 @@ class Pass:
 def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
     """Weights w, shape (n,), with Σ w = 1 and Σ w hᵖ = 0 for the first n - 1 of ``orders``; h are the n steps.
 
-    Raises ValueError for fewer orders.
+    Raises ValueError for fewer orders, LinAlgError for steps of which two are equal.
     """
     if len(orders) < len(steps) - 1:
         raise ValueError(f"expected at least {len(steps) - 1} orders for {len(steps)} steps, got {len(orders)}")
@@ -53,14 +53,15 @@ def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
 def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8), weigh: Weigh = weights) -> History:
     """Combine passes of one scene so that the leading errors, of these orders, cancel; all share their sample times.
 
-    ``weigh`` gives the weights by steps and orders.
-    The origin ``read`` becomes ``extrapolated`` unless there is one pass alone.
-    All have the signals of the first. Raises ValueError where the clocks differ.
+    Returns a new history with the signals and times of the first pass, which all passes have. ``weigh`` is called with
+    the steps and the orders and returns a weight for each step. The origin is the weakest of the passes', and READ
+    becomes EXTRAPOLATED unless there is one pass alone. Raises ValueError where the sample times differ, or by
+    ``weights``.
     """
     share = weigh([each.step for each in passes], orders)
 
     def weighted(signals: Sequence[Signal]) -> Signal:
-        """The weighted sum of signals, in the first one's times; raises ValueError where their times differ."""
+        """The weighted sum of signals, one a pass, at the first one's times; raises ValueError where times differ."""
         time = signals[0].time
         for signal in signals:
             if len(signal.time) != len(time) or np.abs(signal.time - time).max() > CLOCK_ROUNDING * np.ptp(time):

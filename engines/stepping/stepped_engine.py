@@ -66,7 +66,7 @@ class Recipe(Pace):
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion in intervals, each in basic steps; a linear drive's "turn" is the scene's size."""
+        """The scene's motion as intervals in order, each in basic steps; a linear drive's "turn" is its size."""
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
@@ -81,13 +81,16 @@ class Recipe(Pace):
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest_step(self, speed: float) -> float:
-        """The longest step, s, at a driver ``speed``, rad/s or m/s."""
+        """The longest step, s, at a driver ``speed``, rad/s or m/s, by ``step`` and ``steps_per_turn``."""
         turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 
 
 def _start_pace(scene: Scene) -> float:
-    """Pace of a free driver for the choice of steps, rad/s or m/s, from its start speed and acceleration."""
+    """Pace of a free driver for the choice of steps, rad/s or m/s, from its start: |speed| + √(|acceleration| · size).
+
+    The size is 1 for a crank, the scene's for a linear driver.
+    """
     _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
     size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
     return abs(speed) + math.sqrt(abs(acceleration) * size)
@@ -138,21 +141,28 @@ class SteppedEngine(ABC, Generic[World, R]):
 
     @abstractmethod
     def build(self, scene: Scene, recipe: R) -> World:
-        """The engine's own model of a scene in its start state; raises UnsupportedError for what it cannot hold."""
+        """The engine's own model of a scene in its start state; raises UnsupportedError for what it cannot hold.
+
+        The scene is in SI or, as the recipe says, in units of its own.
+        """
 
     @abstractmethod
     def follow(self, world: World, course: Course[R]) -> History:
-        """One pass through a world just built; raises DivergedError where there is no history to hand back.
+        """One pass through a world just built, which may be used up by it, in the units it was built in.
 
-        Passes of different ``ratio`` have the same sample times.
+        Passes of different ``ratio`` have the same sample times. Raises DivergedError where there is no history to hand
+        back.
         """
 
     def refusal(self, scene: Scene) -> str | None:
-        """The sentence why a scene is refused for reasons beyond the abilities; None by default."""
+        """The sentence why a scene is refused for reasons beyond the abilities, else None; by default None."""
         return None
 
     def obstacle(self, scene: Scene) -> str | None:
-        """The reason, in one sentence, why a scene is not built; None if it is built."""
+        """The reason, in one sentence, why a scene is not built; None if it is built.
+
+        Tried in turn are the abilities, the scene's data and start, and ``refusal``.
+        """
         return (
             ability_obstacle(scene, self.abilities)
             or data_obstacle(scene, massless=self.abilities.massless)
@@ -164,7 +174,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return scene
 
     def version(self) -> str | None:
-        """Version of the installed engine, or None; see the contract, as for all methods below."""
+        """Version of the installed engine, or None where it is not installed."""
         return installed_version(self.distribution or self.package)
 
     def why_unavailable(self) -> str | None:
@@ -174,7 +184,8 @@ class SteppedEngine(ABC, Generic[World, R]):
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Make one pass, or several that are extrapolated, by the setting's recipe for the scene's drive.
 
-        A drive without this setting, and all that goes wrong, is an outcome of the Run with its reason.
+        A drive without this setting, an absent engine, a scene that is refused and a run that diverges are outcomes of
+        the Run with their reasons; errors of the code pass.
         """
         recipes = self.settings.get(type(scene.drive), {})
         if setting not in recipes:
@@ -183,14 +194,14 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, recipes[setting], {})
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The methods in ``studied``, whatever the scene."""
+        """The methods in ``studied``, in its order, whatever the scene."""
         return tuple(
             Method(name, about, len(recipe.ratios), recipe.effort, self.effort_unit)
             for name, (about, recipe) in self.studied.items()
         )
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Run a scene by a method at a longest step, s.
+        """Run a scene by a method, with its effort, at a longest step, s; what prevents it is an outcome.
 
         Raises UnknownNameError for another engine's method, LinkproofError for a step or an effort out of bounds.
         """
@@ -204,14 +215,17 @@ class SteppedEngine(ABC, Generic[World, R]):
         return self._run(scene, self.studied_recipe(method, step), {"method": method.name})
 
     def studied_recipe(self, method: Method, step: float) -> R:
-        """The recipe of a method at a longest step, s, and with the method's effort."""
+        """The recipe of a method at a longest step, s, whatever the speed, and with the method's effort.
+
+        Raises KeyError for another engine's method.
+        """
         _, recipe = self.studied[method.name]
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
         """The run of a scene by a recipe, with ``details`` to report; what prevents it becomes its outcome.
 
-        An engine that chatters is silenced.
+        An engine that chatters is silenced. The engine is imported; errors of that, and of code, pass.
         """
         with silenced() if self.chatters else nullcontext():  # some write when they are imported
             absent = self.why_unavailable()
@@ -227,7 +241,7 @@ class SteppedEngine(ABC, Generic[World, R]):
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
         """The history of a scene, in SI, extrapolated from all passes of the recipe; fills in ``cost``.
 
-        Raises DivergedError or UnsupportedError.
+        Raises DivergedError or UnsupportedError, as ``follow`` and ``build`` do.
         """
         given, units, courses = self.planned(scene, recipe, cost)
         passes = [self._pass(given, course) for course in courses]
@@ -244,7 +258,8 @@ class SteppedEngine(ABC, Generic[World, R]):
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
         """The scene in the units it is stepped in, its own units or None for SI, and the passes to take.
 
-        The passes share ``cost``; a free drive's record no torque.
+        There is one pass for each of the recipe's ratios. They share ``cost`` and record those channels of the scene
+        that the engine offers, a free drive's no torque.
         """
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
@@ -255,7 +270,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
 
     def _pass(self, scene: Scene, course: Course[R]) -> Pass:
-        """Build a world, take one pass through it, and add the time and steps of both to the course's cost."""
+        """Build a world, take one pass through it, and add the time and steps of both to the course's cost.
+
+        The Pass has the step 1 / ratio. Errors of ``build`` and ``follow`` pass.
+        """
         with course.cost.timing("setup_seconds"):
             world = self.build(scene, course.recipe)
         with course.cost.timing("seconds"):
@@ -291,10 +309,13 @@ class LoopEngine(SteppedEngine[Any, R]):
 
     @abstractmethod
     def model(self, scene: Scene, recipe: R) -> Mapping[str, Any]:
-        """The scene as plain data, NumPy's arrays among them, for the loop's ``build``."""
+        """The scene as plain data by name, NumPy's arrays among them, for the loop's ``build``, in its units."""
 
     def build(self, scene: Scene, recipe: R) -> Any:  # noqa: ANN401 - the loop's
-        """The loop's world, built from the plain data of the scene; raises UnsupportedError for an ArithmeticError."""
+        """The loop's world, built from the plain data of the scene.
+
+        An ArithmeticError of the loop is raised as UnsupportedError. Raises TypeError for a model of other data.
+        """
         model = plain(self.model(scene, recipe))
         try:
             return import_module(self.loop).build(model)
@@ -302,9 +323,10 @@ class LoopEngine(SteppedEngine[Any, R]):
             raise _run_error(error, UnsupportedError) from error
 
     def follow(self, world: Any, course: Course[R]) -> History:  # noqa: ANN401
-        """The history of a pass, from the loop's samples; raises DivergedError for an ArithmeticError.
+        """The history of a pass, from the loop's samples, in the world's units.
 
-        The course's cost takes what the loop reports.
+        The course's cost takes the ``details`` that the loop reports. An ArithmeticError of the loop is raised as
+        DivergedError.
         """
         given = plain_course(course)
         try:
@@ -318,18 +340,21 @@ class LoopEngine(SteppedEngine[Any, R]):
 
 
 def _run_error(error: ArithmeticError, kind: type[Exception]) -> Exception:
-    """A plain ArithmeticError as ``kind``, the error that ends the run; one of a subclass is returned unchanged."""
+    """A plain ArithmeticError as a ``kind``, which ends the run, with its text; one of a subclass unchanged."""
     return kind(str(error)) if type(error) is ArithmeticError else error  # a division by zero is an error of the loop
 
 
 def _read_signal(pair: tuple[Any, Any]) -> Signal:
-    """The times and values that a loop returns as a signal."""
+    """A pair of times, s, and values, as a loop returns them, as a signal."""
     time, values = pair
     return Signal(np.asarray(time), np.asarray(values))
 
 
 def plain_course(course: Course[Any]) -> dict[str, Any]:
-    """A course as the dictionary that loops take, with ``details`` for them to fill in."""
+    """A course as the dictionary that loops take: ``ratio``, ``channels``, ``parts``, and ``details`` for them to fill in.
+
+    A part's ``segment`` is its start, s, and coefficients, lowest power first; None for a free driver.
+    """
     parts = [
         {
             "start": part.start,
@@ -346,12 +371,12 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
 
 
 def plain_law(law: Law) -> PlainLaw:
-    """A law as plain data for loops: its components, or knots, cubics and period, 0 if it does not repeat."""
+    """A law as plain data for loops: a list of its components, or knots, cubics and period, 0 if it does not repeat."""
     return law.values.tolist() if law.angles is None else (*law.pieces(), law.period or 0.0)
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401 - one line for each type
-    """A copy as Python literals, whose ``repr`` is its source; raises TypeError for data that has none."""
+    """A copy as Python literals, arrays as lists, whose ``repr`` is its source; raises TypeError for other data."""
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
     if isinstance(value, Mapping):
