@@ -5,6 +5,9 @@ form; only joints as equations between bodies (``engines.mechanics.joints``). So
 rounding, both are right. A prescribed motion needs no time steps: positions, velocities, accelerations and forces of an
 instant depend on nothing but that instant. A free crank follows the bodies' own equation of motion
 (``engines.direct_adapter.adapter``).
+
+Lengths are counted in the scene's own *unit*: ``Equations.unit``, m, a power of two near the scene's size. The driver's
+coordinate φ is in rad for a crank, and in these units for a slider or cylinder: "rad or units".
 """
 
 from __future__ import annotations
@@ -61,9 +64,10 @@ BLOCK = 512  # instants solved at once: their matrices stay in a processor's cac
 
 
 def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolution:
-    """φ and φ̇, rad or units, over time, of a crank let go in its start state.
+    """φ and φ̇, rad or units and per s, of a driver let go in its start state, as a function of time, s.
 
-    Raises UnsolvableError where it cannot be followed.
+    Its values are (2,) or, at times (n,), (2, n). ``path`` is that of all poses it may take. Raises UnsolvableError
+    where the linkage locks or leaves the path, or its equation of motion is not finite.
     """
     scene, driver = equations.scene, equations.driver
     start = [float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2])]
@@ -89,14 +93,14 @@ def released_motion(equations: Equations, path: Path, drive: Free) -> OdeSolutio
 
 
 def _shifted(piece: DenseOutput, offset: Array) -> Callable[[Array], Array]:
-    """A function of time that gives a piece of the motion with ``offset``, whole periods of φ, added."""
+    """A function of time, s, that gives a piece of the motion with ``offset`` (2, 1), whole periods of φ, added."""
     return lambda time: np.asarray(piece(time) + offset)
 
 
 def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
-    """The rate of the state (φ, φ̇) as a function of time, s, and state, for an integrator; nan outside the path.
+    """The rate (φ̇, φ̈) of the state (φ, φ̇) as a function of time, s, and state, for an integrator; NaN off the path.
 
-    Raises UnsolvableError where the equation of motion is not finite.
+    φ is in rad or units. Raises UnsolvableError where the equation of motion is not finite.
     """
     scene, scale = equations.scene, equations.driver.scale
     table = _coefficient_table(equations, path)
@@ -124,7 +128,7 @@ def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[f
 
 
 def _polynomial_values(polynomials: Sequence[Sequence[float]], x: float) -> list[float]:
-    """Values of polynomials, highest power first, at one number ``x``; SciPy takes ten times as long."""
+    """Values of polynomials, each its coefficients, highest power first, at a number; SciPy takes ten times as long."""
     values = []
     for coefficients in polynomials:
         value = 0.0
@@ -135,9 +139,9 @@ def _polynomial_values(polynomials: Sequence[Sequence[float]], x: float) -> list
 
 
 def _coefficient_table(equations: Equations, path: Path) -> BSpline:
-    """Coefficients over a path as a spline, at as many places as make it exact.
+    """The c coefficients of ``_coefficients`` over φ, rad or units, of a path, as a spline with values (n, c).
 
-    Raises UnsolvableError where they are not finite.
+    It has as many places as make it exact, or the last of COUNTS. Raises UnsolvableError where they are not finite.
     """
     for count in COUNTS:
         places = np.linspace(path.low, path.high, count)
@@ -157,7 +161,9 @@ def _coefficient_table(equations: Equations, path: Path) -> BSpline:
 def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array, Array]:
     """Rows (c, n): q'ᵀMq', q'ᵀMq'', q'ᵀF at rest, drag per φ̇, and the levers of loads over φ; and their terms' sizes.
 
-    The sizes take each coordinate's lever for at least one unit of length: what is small beside them is cancellation.
+    ``angle`` (n,) is φ, rad or units. A lever of S itself is last where loads depend on it. The sizes take each
+    coordinate's lever for at least one unit of length: what is small beside them is cancellation. Raises
+    UnsolvableError where joints cannot be closed.
     """
     pose = path.closed_pose(angle)
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
@@ -179,7 +185,7 @@ def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array
 
 
 def _split_loads(scene: Scene) -> tuple[Scene, Scene]:
-    """The scene without its loads over φ, and the scene with only these loads."""
+    """Copies of the scene with only those forces and torques that are constant, and with only those that are not."""
     steady, varying = (
         replace(
             scene,
@@ -206,9 +212,9 @@ LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
 def _sample_times(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
-    """Instants, s, from 0 to ``duration``: ``spacing`` apart or less, or as many as ``turns`` need if that is None.
+    """Instants (n,), s, evenly from 0 to ``duration``, at most ``spacing``, s, apart.
 
-    Then these are ``least`` intervals or more.
+    If that is None they are as the driver's ``turns`` in all need, in ``least`` intervals or more.
     """
     samples = max(least, round(SAMPLES_PER_TURN * turns))
     if spacing is not None:
@@ -217,7 +223,10 @@ def _sample_times(duration: float, spacing: float | None, turns: float, least: i
 
 
 def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float | None) -> tuple[History, int]:
-    """History of a driver with a prescribed motion, and the number of instants; raises UnsolvableError."""
+    """History, SI, of a driver with a prescribed motion, and the number of instants, at most ``spacing``, s, apart.
+
+    Raises UnsolvableError where the joints cannot be closed or the friction grows without end.
+    """
     crank, scale = drive.motion, equations.driver.scale
     time = _sample_times(crank.duration, spacing, crank.duration * crank.peak_speed / FULL_TURN)
     angle = crank.angle(time) / scale
@@ -229,7 +238,10 @@ def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float |
 
 
 def _check_reach(path: Path, time: Array, angle: Array) -> None:
-    """Raise UnsolvableError, with the instant and the end, if the path does not hold a crank angle, rad or units."""
+    """Raise UnsolvableError, with the instant and the end, if the path does not hold every φ (n,), rad or units.
+
+    ``time`` (n,), s, are their instants.
+    """
     outside = (angle < path.low) | (angle > path.high)
     if path.turns is None and np.any(outside):
         first = int(np.argmax(outside))
@@ -245,7 +257,10 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
 
 
 def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
-    """The history at instants, s, each solved by itself, in blocks that bound the memory."""
+    """The history, SI, at instants (n,), s, each solved by itself, in blocks that bound the memory.
+
+    ``crank`` is the driver's motion there. Raises UnsolvableError.
+    """
     equations, channels = path.equations, path.equations.scene.channels
     blocks = []
     for start in range(0, len(time), BLOCK):
@@ -255,7 +270,10 @@ def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
 
 
 def _free_motion(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
-    """History of a free driver, and the number of time steps of its integration; raises UnsolvableError."""
+    """History, SI, of a free driver, samples at most ``spacing``, s, apart, and the number of steps of its integration.
+
+    Raises UnsolvableError where it cannot be followed.
+    """
     scale = equations.driver.scale
     start, far = start_coordinate(equations.scene) / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL
     low, high = start - far, start + far
@@ -305,7 +323,10 @@ class DirectEngine:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Solve the scene, whatever the setting: there is nothing to tune; an error is an outcome."""
+        """Solve the scene, whatever the setting: there is nothing to tune.
+
+        A scene that is unsupported, or cannot be solved somewhere, is an outcome.
+        """
         return _run(scene, None, Cost())  # a control has no defaults to be naive with, and nothing left to extrapolate
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
@@ -313,9 +334,9 @@ class DirectEngine:
         return METHODS
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Solve the scene with samples every ``step`` seconds; an error is an outcome.
+        """Solve the scene with samples at most ``step`` seconds apart; what prevents it is an outcome, as for ``run``.
 
-        Raises UnknownNameError for another method, LinkproofError for a wrong step.
+        Raises UnknownNameError for another method, LinkproofError for a step that is not positive and finite.
         """
         check_step(step)
         if method.name != METHODS[0].name:
@@ -324,7 +345,7 @@ class DirectEngine:
 
 
 def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
-    """The run of a scene, an error as its outcome.
+    """The run of a scene; an UnsupportedError or a DivergedError becomes its outcome and reason.
 
     Samples are at most ``spacing``, s, apart, or as the adapter chooses for None.
     """
@@ -332,7 +353,7 @@ def _run(scene: Scene, spacing: float | None, cost: Cost) -> Run:
 
 
 def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
-    """Build the equations and solve the motion; samples every ``spacing`` s, or as the adapter chooses if None.
+    """Build the equations and solve the motion, in SI; samples at most ``spacing``, s, apart, or as chosen for None.
 
     Times and steps go into ``cost``. Raises UnsupportedError or DivergedError with the reason.
     """
@@ -354,7 +375,7 @@ def _solved_history(scene: Scene, spacing: float | None, cost: Cost) -> History:
 
 
 def _checked_equations(scene: Scene) -> Equations:
-    """The scene's equations; raises UnsupportedError where they do not fix its motion."""
+    """The scene's equations; raises UnsupportedError where by count, or at the start, they do not fix its motion."""
     equations = Equations(scene)
     given, expected = equations.rows - 1, equations.size - 1
     if given != expected:

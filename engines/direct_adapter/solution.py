@@ -1,4 +1,8 @@
-"""Positions, velocities, accelerations and joint forces at given instants, each instant solved by itself."""
+"""Positions, velocities, accelerations and joint forces at given instants, each instant solved by itself.
+
+Lengths are counted in the scene's own *unit*: ``Equations.unit``, m, a power of two near the scene's size. The driver's
+coordinate φ is in rad for a crank, and in these units for a slider or cylinder: "rad or units".
+"""
 
 from __future__ import annotations
 
@@ -39,11 +43,11 @@ class Equations(JointEquations):
 
     @cached_property
     def start_coordinates(self) -> Reals:
-        """The start state, (1, bodies, 3), units and rad."""
+        """x, y and angle of all bodies at the start, (1, bodies, 3), units and rad; the ground is the last."""
         return self.start().coordinates()
 
     def solve(self, matrix: Reals, right: Reals, *, refines: bool = True) -> Reals:
-        """Solve ``matrix`` x = ``right``, (n, k, k) and (n, k), by default refined once; counted in ``solves``.
+        """Solve ``matrix`` x = ``right``, (n, k, k) and (n, k), by default refined once; adds n to ``solves``.
 
         Raises UnsolvableError where a matrix is singular.
         """
@@ -57,9 +61,10 @@ class Equations(JointEquations):
             raise UnsolvableError("the constraint equations are singular") from None
 
     def close_joints(self, pose: Pose, coordinate: Reals) -> Pose:
-        """The poses with all joints closed, by Newton's method from poses that are near.
+        """The poses with all joints closed, by Newton's method from as many poses that are near.
 
-        ``coordinate`` (n,) is φ, rad or units. Raises UnsolvableError where the method does not settle.
+        ``coordinate`` (n,) is φ, rad or units. Raises UnsolvableError where the method does not settle or a matrix is
+        singular.
         """
         before = math.inf
         for _ in range(MOST_ITERATIONS):
@@ -95,14 +100,14 @@ class Crank(NamedTuple):
     torque: Reals | None = None
 
     def part(self, instants: slice) -> Crank:
-        """The motion at some of the instants."""
+        """A copy with those of the instants that a slice takes."""
         return Crank(*(values if values is None else values[instants] for values in self))  # type: ignore[arg-type]
 
 
 class Solution(NamedTuple):
     """The results of n instants, SI, by channel: bodies' coordinates (n, bodies, 3), the drive's torque (n,).
 
-    ``joint_force`` is (n, joints, 2).
+    ``joint_force`` is (n, joints, 2). None is what was not asked for.
     """
 
     position: Reals
@@ -113,7 +118,11 @@ class Solution(NamedTuple):
 
 
 def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Channel]) -> Solution:
-    """Motion and forces at the instants, SI, computed only as far as the channels need; raises UnsolvableError."""
+    """Motion and forces at the instants, SI, computed only as far as the channels need.
+
+    ``pose`` has closed joints, in units; ``crank`` is the driver's motion at the same instants. Raises UnsolvableError
+    for singular equations, or friction that grows without end.
+    """
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
     if channels <= {Channel.POSITION}:
         return Solution(metric.coordinates())
@@ -150,7 +159,8 @@ def solve(equations: Equations, pose: Pose, crank: Crank, channels: frozenset[Ch
 def _joint_multipliers(equations: Equations, arms: Arms, matrix: Reals, rate: Reals, needs: Reals) -> Reals:
     """λ (n, rows), N, of joints that give the bodies what they need, (n, bodies, 3), friction taken in repeatedly.
 
-    Raises UnsolvableError where friction grows without end: the linkage locks.
+    ``matrix`` is G; ``needs`` are N and N m; ``rate`` (n, bodies, 3) is the motion that friction is against. Raises
+    UnsolvableError where friction grows without end: the linkage locks.
     """
     transposed = matrix.swapaxes(1, 2)
     multipliers = equations.solve(transposed, equations.generalised(needs))
@@ -166,20 +176,27 @@ def _joint_multipliers(equations: Equations, arms: Arms, matrix: Reals, rate: Re
 
 
 def transfer(equations: Equations, matrix: Reals) -> Reals:
-    """The derivatives q' = dq/dφ of all coordinates, (n, bodies, 3), in ``equations.unit`` and rad; ``matrix`` is G."""
+    """The derivatives q' = dq/dφ of all coordinates, (n, bodies, 3), in units and rad; ``matrix`` is G.
+
+    Raises UnsolvableError where that is singular.
+    """
     return equations.spread(equations.solve(matrix, equations.crank_unit(len(matrix))))
 
 
 def velocity_terms(equations: Equations, arms: Arms, matrix: Reals, rate: Reals) -> Reals:
-    """Q'' φ̇², (n, bodies, 3), in units/s² and rad/s²: the accelerations that the rates ``rate`` alone cause.
+    """The accelerations q'' φ̇² that the bodies' rates alone cause, (n, bodies, 3), in units/s² and rad/s².
 
-    ``matrix`` is G. For a rate over φ it is Q'' itself.
+    ``matrix`` is G, ``rate`` (n, bodies, 3) in units and rad per s; for q', the rate over φ, the result is q'' itself.
+    Raises UnsolvableError where G is singular.
     """
     return equations.spread(equations.solve(matrix, equations.bend(arms, rate)))
 
 
 def history(time: Array, blocks: Sequence[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
-    """The requested channels as signals over ``time``, s, from consecutive blocks of instants; ``joints`` are names."""
+    """The requested channels as signals over ``time``, s, SI, from consecutive blocks of instants.
+
+    ``joints`` are the joints' names in the order of the forces. The ground is left out of the bodies.
+    """
     whole = {channel: np.concatenate([getattr(block, channel.value) for block in blocks]) for channel in channels}
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
@@ -209,8 +226,8 @@ RETURNED = 1e-5  # units and rad between the two ends of a full turn
 class Path:
     """Poses from ``low`` to ``high``, rad or units, both at most as far as the linkage can move.
 
-    ``turns`` (bodies,) is each body's turn in rad over a full turn of the crank, after which all repeats; None where
-    the path has two ends.
+    ``gain`` gives, for φ (n,), the free coordinates' change since the start, (n, k). ``turns`` (bodies,) is each body's
+    turn in rad over a full turn of the crank, after which all repeats; None where the path has two ends.
     """
 
     equations: Equations
@@ -220,7 +237,10 @@ class Path:
     turns: Reals | None
 
     def closed_pose(self, coordinate: Reals) -> Pose:
-        """The poses at φ (n,), the driver exactly there; raises UnsolvableError where they cannot be closed."""
+        """The poses at φ (n,), rad or units, the driver exactly there; raises UnsolvableError where they do not close.
+
+        Of a path that repeats φ may be any.
+        """
         number = np.zeros(len(coordinate))
         if self.turns is not None:
             number = np.floor((coordinate - self.low) / FULL_TURN)
@@ -234,9 +254,10 @@ class Path:
 
 
 def reach(equations: Equations, low: float, high: float) -> Path:
-    """The path that holds φ from ``low`` to ``high``, between which the start state lies, or as much as can be reached.
+    """The path that holds φ from ``low`` up to ``high``, or as much of it as can be reached from the start state.
 
-    Of a path that shuts after a full turn, one turn. φ is in rad or units.
+    Both are in rad or units, and the start's φ lies between them. Where more than a turn of a crank is asked for and
+    all repeats after one, the path is the turn from the start on.
     """
     at_start = equations.start()
     start = float(equations.driver.value(at_start)[0])
@@ -258,15 +279,18 @@ def reach(equations: Equations, low: float, high: float) -> Path:
 
 
 def _follow_path(equations: Equations, start: float, end: float) -> tuple[float, Callable[[Reals], Reals]]:
-    """φ up to which the path can be followed towards ``end`` in its assembly mode, and the coordinates' gain.
+    """φ up to which the path can be followed from ``start`` towards ``end``, in its assembly mode, and the gain.
 
-    The gain is a function of φ (n,), with values (n, k), k free coordinates.
+    φ is in rad or units. The gain is a function of φ (n,): the change (n, k) of the k free coordinates since the start.
     """
     unit, pull = equations.crank_unit(1), PULL if end > start else -PULL
     most = equations.solves + EVALUATIONS * (1.0 + abs(end - start) / FULL_TURN)
 
     def rate(coordinate: float, state: Reals) -> Reals:
-        """The coordinates' derivatives (k,) over φ, drawn back onto the joints; NaN where they are singular."""
+        """Derivatives (k,) over φ of the gain ``state`` (k,), drawn back onto the joints; NaN where G is singular.
+
+        NaN, too, after the most solutions allowed.
+        """
         if equations.solves > most:
             return np.full_like(state, np.nan)
         place = np.array([coordinate])
@@ -294,9 +318,9 @@ def _follow_path(equations: Equations, start: float, end: float) -> tuple[float,
 
 
 def _last_before_crossing(equations: Equations, gain: OdeSolution, places: Reals) -> float:
-    """φ up to which a path over some places (n,) crosses no other one, within ``finest``; the last place if none.
+    """φ up to which a path over some places (n,) crosses no other one, within FINEST; the last place if none.
 
-    ``gain`` gives the free coordinates there.
+    All are in rad or units. ``gain`` gives the free coordinates' change since the start there, (k, n).
     """
     while np.any(crossing := _crossings(equations, _pose(equations, gain(places).T, places))):
         first = int(np.argmax(crossing))

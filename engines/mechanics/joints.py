@@ -63,13 +63,14 @@ class JointEquations:
     """The joints' equations of a scene; rows are pins in x, pins in y, lines, angles, crank.
 
     ``unit`` is the length that lengths are counted in, m; by default a power of two near the scene's size, which rounds
-    nothing. ``geared`` are the bodies that keep their angle against another; by default the sliders and their hosts.
+    nothing. ``geared`` pairs the names of bodies and of those against which they keep their angle; by default the
+    sliders and their hosts.
     """
 
     def __init__(
         self, scene: Scene, unit: float | None = None, geared: Sequence[tuple[str, str]] | None = None
     ) -> None:
-        """Lengths count in ``unit``, m, by default near the scene's size; ``geared`` pairs keep their angle."""
+        """Lengths count in ``unit``, m, by default near the scene's size; bodies ``geared`` keep their angle."""
         self.scene = scene
         self.geared = [(slider.body, slider.host) for slider in scene.sliders] if geared is None else geared
         self.index = body_numbers(scene)
@@ -87,7 +88,7 @@ class JointEquations:
         self._template = self._constant_entries()
 
     def _numbers(self, names: list[str]) -> Numbers:
-        """Numbers of the bodies with these names, as an array."""
+        """Numbers of the bodies with these names, as an array; the ground's is the last."""
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
@@ -139,7 +140,7 @@ class JointEquations:
         return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
 
     def residual(self, pose: Pose, arms: Arms) -> Reals:
-        """The residual Φ of the equations, (n, rows): lengths in units, angles by their sine.
+        """The residual Φ of the equations, (n, rows), of a pose and its arms: lengths in units, angles by their sine.
 
         The driver's row is 0, since poses are made with the driver where the drive has it (``violation`` has it).
         """
@@ -154,7 +155,7 @@ class JointEquations:
         return result
 
     def jacobian(self, arms: Arms) -> Reals:
-        """The Jacobian G of the equations, (n, rows, coordinates), for these joint vectors."""
+        """The Jacobian G = ∂Φ/∂q of the equations, (n, rows, free coordinates), for these joint vectors."""
         entries = np.empty((len(arms.gap), *self._template.shape), dtype=arms.gap.dtype)
         entries[:] = self._template
         pins, lines = slice(0, self.pins), slice(self.pins, None)
@@ -184,7 +185,10 @@ class JointEquations:
         return residual, self.jacobian(arms)
 
     def bend(self, arms: Arms, rate: Reals) -> Reals:
-        """The part γ (n, rows) of G q̈ that follows from the rates (n, bodies, 3); the driver's ε is left out."""
+        """The part γ (n, rows) of G q̈ that follows from the rates (n, bodies, 3); the driver's ε is left out.
+
+        Lengths are in units.
+        """
         body, host = rate[:, self.body], rate[:, self.host]
         first, second = body[..., 2:], host[..., 2:]
         inward = first * first * arms.body - second * second * arms.host
@@ -198,7 +202,7 @@ class JointEquations:
         return result
 
     def openings(self, residual: Reals) -> Reals:
-        """Opening of each joint's point, (n, joints), never negative, from a residual or its time derivative.
+        """Opening of each joint's point, (n, joints), never negative, from a residual (n, rows) or its time derivative.
 
         It is in the residual's unit; a slider's turning does not count.
         """
@@ -206,7 +210,7 @@ class JointEquations:
         return np.concatenate([pins, np.abs(residual[:, self.line_rows])], axis=1)
 
     def joint_forces(self, arms: Arms, multipliers: Reals) -> Reals:
-        """Force on each joint's first body, N, (n, joints, 2), from λ (n, rows), N."""
+        """Force on each joint's first body, N, ground frame, (n, joints, 2), from λ (n, rows), N."""
         forces = np.empty_like(arms.gap)
         forces[:, : self.pins, 0] = multipliers[:, self.x_rows]
         forces[:, : self.pins, 1] = multipliers[:, self.y_rows]
@@ -214,7 +218,7 @@ class JointEquations:
         return forces
 
     def generalised(self, loads: Reals) -> Reals:
-        """Loads (n, bodies, 3), N and N m, along the coordinates, (n, k), N: moments are taken over the unit."""
+        """Loads (n, bodies, 3), N and N m, along the free coordinates, (n, k), N: moments are over the unit, m."""
         return self.gather(loads / np.array([1.0, 1.0, self.unit]))
 
     def crank_unit(self, count: int) -> Reals:
@@ -234,7 +238,7 @@ class JointEquations:
         return bodies.reshape(len(bodies), -1)[:, self.free]
 
     def start(self) -> Pose:
-        """The pose of the scene's start state, one instant."""
+        """The pose of the scene's start state, one instant, lengths in units."""
         return pose_of(start_motion(self.scene)[0] / self.metres)
 
 
@@ -245,7 +249,7 @@ def scene_size(scene: Scene) -> float:
 
 
 def _vector_array(pairs: list[Vector]) -> Reals:
-    """Plane vectors as an array (n, 2), also where there are none."""
+    """Plane vectors as an array (n, 2), (0, 2) where there are none."""
     return np.array(pairs, dtype=float).reshape(-1, 2)
 
 
@@ -260,7 +264,11 @@ def _power_of_two(length: float) -> float:
 
 
 def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
-    """Weights, loads, springs and dampers, not joint friction: N and, about mass centres, N m, (n, bodies, 3)."""
+    """Weights, loads, springs and dampers, not joint friction: N and, about mass centres, N m, (n, bodies, 3).
+
+    ``pose`` is in m, ``rate`` (n, bodies, 3) the bodies' rates, SI. Loads are in the ground frame, the last body's are
+    those on the ground.
+    """
     numbers = body_numbers(scene)
     loads = np.zeros_like(rate)
     loads[..., :2] = body_masses(scene)[:, :2] * np.asarray(scene.gravity)
@@ -284,7 +292,10 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
 
 
 def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Reals]:
-    """Yield for each component of a force the loads of a unit of it on the bodies, (n, bodies, 3)."""
+    """Yield for each component of a force the loads of 1 N of it on the bodies, N and N m, (n, bodies, 3).
+
+    ``pose`` is in m.
+    """
     for unit in np.eye(2):
         lever = np.zeros((*pose.place.shape[:2], 3), dtype=pose.place.dtype)
         _add_applied_force(lever, scene, applied, pose, unit[:, None])
@@ -292,7 +303,10 @@ def force_levers(scene: Scene, applied: AppliedForce, pose: Pose) -> Iterator[Re
 
 
 def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: Pose, parts: Reals) -> None:
-    """Add a force with components (2, n), N, and its reaction to ``loads``, in place."""
+    """Add a force and its reaction to ``loads`` (n, bodies, 3), N and N m, in place.
+
+    ``parts`` (2, n), N, are its components in the frame that it names; ``pose`` is in m.
+    """
     numbers = body_numbers(scene)
     body, other, frame = numbers[applied.body], numbers[applied.reaction], numbers[applied.frame]
     (x, y), c, s = parts, pose.cosine[:, frame], pose.sine[:, frame]
@@ -304,9 +318,10 @@ def _add_applied_force(loads: Reals, scene: Scene, applied: AppliedForce, pose: 
 
 
 def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multipliers: Reals) -> Reals:
-    """Friction's loads on the bodies, N and N m, (n, bodies, 3), for multipliers λ, N, and rates ``rate``.
+    """Friction's loads on the bodies, N and N m, (n, bodies, 3), for multipliers λ (n, rows), N.
 
-    Lengths are in the equations' unit.
+    Of ``rate`` (n, bodies, 3), which may be over any variable, the direction counts: friction is against it, and none
+    at rest. Lengths of ``arms`` and ``rate`` are in the equations' unit.
     """
     result = np.zeros_like(rate)
     forces = equations.joint_forces(arms, multipliers)
@@ -329,7 +344,10 @@ def joint_friction(equations: JointEquations, arms: Arms, rate: Reals, multiplie
 
 
 def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
-    """S, the output's travel, m, on which loads may depend, and its rate, m/s, (n,) each."""
+    """S, the output's travel, m, on which loads may depend, and its rate, m/s, (n,) each.
+
+    ``pose`` and ``rate`` (n, bodies, 3) are SI; the rate may be over φ instead. Only for a scene with a ``travel``.
+    """
     assert scene.travel is not None
     body, along = body_numbers(scene)[scene.travel.body], np.asarray(scene.travel.along)
     speed = point_velocity(pose.arm(body, scene.travel.anchor), rate[:, body])
@@ -337,7 +355,10 @@ def output_travel(scene: Scene, pose: Pose, rate: Reals) -> tuple[Reals, Reals]:
 
 
 def _law_values(scene: Scene, law: Law, crank_angle: Reals, pose: Pose, rate: Reals) -> Reals:
-    """Components of a load's law, N or N m, at φ, rad or m, or S, (k, n); 0 where the load does not act."""
+    """The k components of a load's law, N or N m, at φ (n,), rad or m, or at S, (k, n); 0 where it does not act.
+
+    ``pose`` and ``rate`` are SI.
+    """
     if law.over == "phi" and law.when is None:
         return law(crank_angle)
     travel, speed = output_travel(scene, pose, rate)
@@ -352,7 +373,7 @@ def _turned_from(coil: TurnSpring, numbers: dict[str, int], pose: Pose) -> Reals
 
 
 def potential_energy(scene: Scene, pose: Pose) -> Reals:
-    """Energy of gravity and springs, J, (n,); that of gravity is 0 at the ground's origin."""
+    """Energy of gravity and springs, J, (n,), at poses in m; that of gravity is 0 at the ground's origin."""
     numbers, masses = body_numbers(scene), body_masses(scene)
     energy: Reals = -np.einsum("nbk,k,b->n", pose.place, np.asarray(scene.gravity), masses[:, 0])
     for spring in scene.springs:
@@ -365,19 +386,25 @@ def potential_energy(scene: Scene, pose: Pose) -> Reals:
 
 
 def without_potential(scene: Scene) -> Scene:
-    """A copy of the scene without gravity and springs: its loads left do work that no energy stores."""
+    """A copy of the scene without gravity and springs: its loads left do work that no energy stores.
+
+    Dashpots of springs stay.
+    """
     springs = tuple(replace(spring, stiffness=0.0) for spring in scene.springs if spring.damping)
     return replace(scene, gravity=(0.0, 0.0), springs=springs, turn_springs=())
 
 
 def _add_force(loads: Reals, body: int, arm: Reals, force: Reals) -> None:
-    """Add a force (n, 2), N, at an ``arm`` from the mass centre to the ``loads`` on a body, in place."""
+    """Add a force (n, 2), N, at an ``arm`` (n, 2), m, from the mass centre to the ``loads`` on a body, in place."""
     loads[:, body, :2] += force
     loads[:, body, 2] += dot(across(arm), force)
 
 
 def _add_spring(loads: Reals, numbers: dict[str, int], spring: PointSpring, pose: Pose, rate: Reals) -> None:
-    """Add a spring's and dashpot's pull on both of its ends to ``loads``, in place."""
+    """Add a spring's and dashpot's pull on both of its ends to ``loads``, N and N m, in place; pose and rate are SI.
+
+    ``numbers`` are the bodies', by name. Ends that meet are not pulled.
+    """
     first, second = numbers[spring.first], numbers[spring.second]
     first_arm, second_arm = pose.arm(first, spring.first_anchor), pose.arm(second, spring.second_anchor)
     span = pose.place[:, first] + first_arm - (pose.place[:, second] + second_arm)

@@ -45,7 +45,7 @@ class Branch:
 
     @property
     def points(self) -> tuple[Vector, Vector]:
-        """The joint's points on the parent and on the body, body frames."""
+        """The joint's points on the parent and on the body, body frames, m; not for a branch without a joint."""
         assert self.joint is not None
         points = dict(self.joint.ends)
         return points[self.parent], points[self.body.name]
@@ -60,7 +60,7 @@ class SpanningTree:
 
     @property
     def obstacle(self) -> str | None:
-        """The reason, in words, why an engine of pins and sliders cannot use this tree; None if it can."""
+        """The reason, in a sentence, why an engine of pins and sliders cannot use this tree; None if it can."""
         loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
         if loose is not None:
             return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
@@ -68,18 +68,18 @@ class SpanningTree:
         return None if loop is None else f"it has no constraint for '{loop}', which closes a loop of sliders alone"
 
     def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
-        """The body, or the ground, nearest to both ends of a cut joint on their ways to the ground."""
+        """Name of the body, or the ground, nearest to both ends of a cut joint on their ways to the ground."""
         first, second = (self._chain(body) for body, _ in cut.ends)
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
-        """Names of this body and of those that carry it which turn against their carriers."""
+        """Names of those among the body of this name and all that carry it which hang on their parents by no slider."""
         chain = self._chain(name)
         turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
         return turning & set(chain)
 
     def _chain(self, name: str) -> list[str]:
-        """Names of a body and of those that carry it, down to the ground, which is included."""
+        """Names of a body and of those that carry it, from it down to the ground, which is included."""
         parents = {branch.body.name: branch.parent for branch in self.branches}
         chain = [name]
         while chain[-1] != GROUND:
@@ -100,7 +100,11 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
 
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
-        """The sort key by which open joints become branches: smaller first."""
+        """The sort key by which open joints become branches, smaller first.
+
+        It has whether the crank would not be put on the ground by its pin, whether the joint is any but the crank's on
+        the ground, whether it is a pin, and how far from the ground it is, in joints.
+        """
         ends = dict(joint.ends)
         pinned = isinstance(joint, PinJoint)
         misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
@@ -151,7 +155,10 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
 
 
 def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bool) -> Branch:
-    """The branch that hangs ``body`` on ``parent`` by a joint, with the joint's coordinate and rate at the start."""
+    """The branch that hangs ``body`` on ``parent`` by a joint, with the joint's coordinate and rate at the start.
+
+    ``reverse``: the parent is the joint's first body.
+    """
     turn, rate = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
     if isinstance(joint, PinJoint):
         rigid = body.inertia is None
@@ -165,7 +172,7 @@ def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bo
 
 
 def point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
-    """Position, m, and velocity, m/s, of a point of a body at the start, as complex numbers."""
+    """Position, m, and velocity, m/s, of a point of a body's frame at the start, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
 

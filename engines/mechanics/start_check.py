@@ -60,7 +60,7 @@ def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
 
 
 def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
-    """The sentence on the joint that the start state fits worst, or on a crank off its drive; None if all fit.
+    """The sentence on a driver that starts off its prescribed motion, or on the joint that fits worst; None if all fit.
 
     ``tolerance`` is relative: to the scene's size, the fastest and the hardest motion of a body.
     """
@@ -88,7 +88,10 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
 
 
 def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
-    """The first part of a scene that is beyond an engine's abilities, in a sentence; None if there is none."""
+    """The first part of a scene that is beyond an engine's abilities, in a sentence; None if there is none.
+
+    Tried in turn are the drive, friction, joints and loads; bodies without mass are not looked at.
+    """
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_type_in_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
@@ -107,7 +110,7 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
 
 
 def _load_obstacles(load: object, law: Law, abilities: Abilities) -> Iterator[str]:
-    """Yield reasons, in sentences, why a force or a torque is beyond an engine's abilities."""
+    """Yield reasons, in sentences, why a force or a torque with this law is beyond an engine's abilities."""
     if not law.is_constant and not abilities.varying_loads:
         yield f"it takes no load that changes with the crank angle, as {_label(load)} does"
     if abilities.load_states:
@@ -129,7 +132,7 @@ def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
 
 
 def _data_faults(scene: Scene, least: float) -> Iterator[str]:
-    """Yield sentences on faults of a scene's data; masses and inertias must be at least ``least``."""
+    """Yield sentences on faults of a scene's data; masses, kg, and inertias, kg m², must be at least ``least``."""
     names = [body.name for body in scene.bodies]
     known = {GROUND, *names}
     if len(known) != len(names) + 1:
@@ -160,7 +163,7 @@ def _data_faults(scene: Scene, least: float) -> Iterator[str]:
 
 
 def _weight_faults(body: Body, least: float) -> Iterator[str]:
-    """Yield sentences on faults of a body's mass and inertia, which must be at least ``least``."""
+    """Yield sentences on faults of a body's mass and, if any, inertia, which must be at least ``least``, SI."""
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
             if value == 0.0:
@@ -185,17 +188,17 @@ def _value_faults(scene: Scene) -> Iterator[str]:
 
 
 def _has_usable_numbers(part: object) -> bool:
-    """Whether every number of a part of a scene is finite and of a size that can be reckoned with."""
+    """Whether every number of a part of a scene is finite and, SI, below LARGEST in size."""
     return all(abs(number.value) < LARGEST for number in walk(part))  # false for nan
 
 
 def _named_bodies(part: object) -> set[str]:
-    """Names of the bodies that a part of a scene refers to."""
+    """Names of the bodies, or the ground, that a part of a scene joins or acts on; none for a body or a drive."""
     return {getattr(part, name) for name in BODY_FIELDS if hasattr(part, name)}
 
 
 def _label(part: object) -> str:
-    """A part of a scene in words: "pin joint 'A'", "applied force on 'rod'"."""
+    """A part of a scene in words, by name or bodies: "pin joint 'A'", "applied force on 'rod'", "free drive"."""
     words = _type_in_words(part)
     if hasattr(part, "name"):
         return f"{words} '{part.name}'"

@@ -69,7 +69,7 @@ class Pose:
 
 
 def pose_of(coordinates: Reals) -> Pose:
-    """The pose of coordinates (n, bodies, 3), the ground among the bodies."""
+    """The pose of coordinates x, y, angle, (n, bodies, 3), the ground among the bodies; it holds views of them."""
     angle = coordinates[..., 2]
     return Pose(coordinates[..., :2], angle, np.cos(angle), np.sin(angle))
 
@@ -80,7 +80,7 @@ def with_ground(values: Reals) -> Reals:
 
 
 def start_motion(scene: Scene) -> tuple[Reals, Reals, Reals]:
-    """Position, velocity and acceleration of the start state, SI, one instant: each (1, bodies, 3)."""
+    """Position, velocity and acceleration of the start state, SI, one instant: each (1, bodies, 3), the ground last."""
     rows = [
         [(*b.position, b.angle) for b in scene.bodies],
         [(*b.velocity, b.angular_velocity) for b in scene.bodies],
@@ -96,7 +96,7 @@ def body_numbers(scene: Scene) -> dict[str, int]:
 
 
 def body_masses(scene: Scene) -> Reals:
-    """Mass, mass and moment of inertia, the weights of x, y and angle, (bodies, 3); 0 for the ground."""
+    """Mass, mass and moment of inertia, the weights of x, y and angle, (bodies, 3); 0 for the ground and where None."""
     return np.array([(b.mass, b.mass, b.inertia or 0.0) for b in scene.bodies] + [(0.0, 0.0, 0.0)])
 
 
@@ -109,7 +109,7 @@ def across(vectors: Reals) -> Reals:
 
 
 def dot(first: Reals, second: Reals) -> Reals:
-    """Scalar product along the last axis."""
+    """Scalar product of plane vectors (..., 2) along the last axis, (...)."""
     return first[..., 0] * second[..., 0] + first[..., 1] * second[..., 1]
 
 
@@ -119,7 +119,7 @@ def point_velocity(arm: Reals, rate: Reals) -> Reals:
 
 
 def point_acceleration(arm: Reals, rate: Reals, second: Reals) -> Reals:
-    """Acceleration of a point fixed in a body, (n, 2), from its arm and the body's rates and their rates (n, 3)."""
+    """Acceleration of a point fixed in a body, (n, 2), from its arm (n, 2), the body's rates and their rates (n, 3)."""
     return second[:, :2] + second[:, 2:] * across(arm) - rate[:, 2:] ** 2 * arm
 
 
@@ -168,7 +168,7 @@ class Driver:
         self.line = np.array(scene.driven_slider.along) if self.kind is DriverKind.SLIDER else None
 
     def span(self, pose: Pose) -> Span | None:
-        """The two ends of a linear driver at a pose, and the vector between them; None for a crank."""
+        """The two ends of a linear driver at a pose, in units, and the vector between them; None for a crank."""
         if self.turns:
             return None
         arms = pose.turned(self.anchors, self.ends)
@@ -180,12 +180,15 @@ class Driver:
         return Span(arms[:, 0], arms[:, 1], between, along, dot(along, between))
 
     def value(self, pose: Pose) -> Reals:
-        """φ at a pose, (n,), rad or units."""
+        """φ at a pose, (n,): a crank's angle, rad, or a linear driver's travel or length in units."""
         span = self.span(pose)
         return pose.angle[:, self.crank] if span is None else span.length
 
     def gradient(self, span: Span | None, count: int) -> Reals:
-        """The gradient of φ over every body's x, y and angle, (n, bodies, 3), n being ``count``."""
+        """The gradient of φ over every body's x, y and angle, (n, bodies, 3), n being ``count``.
+
+        ``span`` is the driver's at the pose, None for a crank.
+        """
         result = np.zeros((count, self.count, 3), dtype=float if span is None else span.between.dtype)
         if span is None:
             result[:, self.crank, 2] = 1.0
@@ -196,7 +199,7 @@ class Driver:
         return result
 
     def bend(self, span: Span | None, rate: Reals) -> Reals:
-        """The negative of the part of φ̈ that the bodies' rates (n, bodies, 3) cause, (n,)."""
+        """The negative of the part of φ̈ that the bodies' rates (n, bodies, 3) alone cause, (n,); 0 for a crank."""
         if span is None:
             return np.zeros(len(rate), dtype=rate.dtype)
         first, second = rate[:, self.ends[0]], rate[:, self.ends[1]]

@@ -351,7 +351,7 @@ def _read_signal(pair: tuple[Any, Any]) -> Signal:
 
 
 def plain_course(course: Course[Any]) -> dict[str, Any]:
-    """A course as the dictionary that loops take: ``ratio``, ``channels``, ``parts``, and ``details`` for them to fill in.
+    """A course as the dictionary that loops take: ``ratio``, ``channels``, ``parts``, and ``details`` to fill in.
 
     A part's ``segment`` is its start, s, and coefficients, lowest power first; None for a free driver.
     """
