@@ -37,7 +37,8 @@ SHARES: Final = (np.arange(1, 33) / 32).tolist()  # of the coefficients
 class Contact(NamedTuple):
     """A joint with friction: μ r, m, of a pin or μ of a guide, the rate of its motion over φ, what resists it.
 
-    ``loads`` are of one unit of friction, N m or N, against a positive rate.
+    ``size`` is μ r or μ. ``rate`` is without unit for a pin, in m/rad for a guide. ``loads`` are of one unit of
+    friction, N m or N, against a positive rate.
     """
 
     joint: str
@@ -51,7 +52,7 @@ class Contact(NamedTuple):
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
-    """Yield each joint with friction as a ``Contact``: friction per force, relative rate over φ, unit loads."""
+    """Yield each joint with friction as a ``Contact``: pins, then sliders, then slots."""
     linkage, friction = sweep.linkage, sweep.linkage.friction
     for pin in linkage.pins:
         if pin.point in friction:
@@ -81,7 +82,7 @@ def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
 def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
     """The rate over φ at which a body's point ``local`` slides along a guide, m/rad, and the unit loads that resist it.
 
-    The first load is on the body, the second on the guide's host.
+    The point is in the body's frame, m. The first load, 1 N, is on the body, its reverse on the guide's host.
     """
     direction = frames.arm(sweep.poses(guide.host), guide.along)
     origin = sweep.local_point(guide.host, (0.0, 0.0))
@@ -96,9 +97,10 @@ def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tupl
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
     """Forces of all joints and the drive's torque, with friction, at a crank speed, rad/s, and acceleration, rad/s².
 
-    Forces are in N, the torque in N m. At rest, friction acts against a motion that would begin. A guide's friction
-    comes from the part of its force across it. Where the linkage is self-locking, raises LinkproofError or sets the
-    sweep's faults.
+    These are signed, of the sweep's shape or scalar. Forces are in N, the torque in N m. At rest, friction acts against
+    a motion that would begin. A guide's friction comes from the part of its force across it. Where the linkage is
+    self-locking, raises LinkproofError or sets the sweep's faults; AssemblyError where it cannot be put together or
+    stands in a dead position.
     """
     plain = joint_forces.reactions(sweep, speed, acceleration)
     if not sweep.linkage.friction:
@@ -121,10 +123,12 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 
 
 def _equilibrium(sizes: Array, free: Array, slopes: Array) -> tuple[Array, Booleans]:
-    """Solve for the frictions (m, n) under joint forces ``free`` + ``slopes`` · frictions; and where that succeeded.
+    """Solve for the frictions (m, n) under joint forces ``free`` + ``slopes`` · frictions; and where it succeeded (n,).
 
-    Repeated substitution finds them where friction is small, and finds no others; Newton's method those that are left,
-    at last by letting the coefficients grow.
+    ``sizes`` (m, n) are μ r or μ, ``free`` (m, 2, n) the m joints' forces without friction, N, and ``slopes`` (m, m, 2,
+    n) those of a joint by a unit of friction in another. Repeated substitution finds them where friction is small, and
+    finds no others; Newton's method those that are left, at last by letting the coefficients grow. Forces that are not
+    finite count as solved.
     """
     frictions = np.zeros_like(sizes)
     with np.errstate(all="ignore"):  # of what is found nowhere
@@ -153,7 +157,8 @@ def _is_settled(step: Array, frictions: Array, within: float = SETTLED) -> Boole
 def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]) -> tuple[Array, Booleans]:
     """Solve as ``_equilibrium`` does by Newton's method, for ``shares`` of the coefficients one after the other.
 
-    The branch of small coefficients has a determinant above zero. The step after one within LAST is rounding.
+    Returns the frictions (m, n) and where they are found, (n,). The branch of small coefficients has a determinant
+    above zero. The step after one within LAST is rounding.
     """
     frictions, step, unit = np.zeros_like(sizes), np.ones_like(sizes), np.eye(len(sizes))
     matrix = np.broadcast_to(unit, (sizes.shape[1], *unit.shape))
@@ -178,7 +183,8 @@ def _by_newton(sizes: Array, free: Array, slopes: Array, shares: Iterable[float]
 def _check_not_locked(sweep: Sweep, is_solved: Booleans) -> None:
     """Raise LinkproofError where friction is not ``is_solved``, as it locks the linkage.
 
-    Or add that to the sweep's faults.
+    If the sweep collects faults, mark it there instead and raise nothing. ``is_solved`` has the shape of the sweep's
+    angles.
     """
     if sweep.faults is not None:
         sweep.faults |= ~is_solved

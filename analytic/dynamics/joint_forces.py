@@ -12,6 +12,10 @@ where it has the pin, else the first body by name. Two bodies on a pin make the 
 A joint force acts on the link that is not the hub, on the slider, or in a slot on the pin; ground
 frame, N. A force applied at a pin of several links acts on the link which ``PointForce.link`` names, a spring on those
 in ``Spring.links``, and the joint forces of this pin hold that link in balance.
+
+A *wrench* is (force x, force y, N, moment, N m), ground frame: that of a slide is about the reference point of its
+``far`` link, a pin exerts its force at the pin and no moment. A link *needs* the wrench that its joints together must
+exert on it, about the link's reference point, which is a pin of its group wherever it has one.
 """
 
 from __future__ import annotations
@@ -42,9 +46,6 @@ from analytic.kinematics.sweep import Sweep
 from analytic.numerics.arrays import Array
 
 # Balance of a force analysis: the wrench that every link still needs from its joints, and the joints' wrenches.
-#
-# A *wrench* is (force x, force y, N, moment, N m). A link *needs* the wrench that its joints together must exert on
-# it, about the link's reference point, which is a pin of its group wherever it has one.
 
 Wrench = tuple[Scalar, Scalar, Scalar]
 
@@ -161,16 +162,16 @@ def _pin_of_link(group: AnyGroup, body: str) -> Vector | None:
 # vanish in the same dead positions. (Kinetostatics of Assur groups: I. I. Artobolevskii, Theory of Mechanisms and
 # Machines.) A group of class III or higher is solved
 # as one system, the transpose of its velocities' too, with moments about the links' reference points.
-#
-# The moment of a slide is about the reference point of its ``far`` link; a pin exerts its force at the pin and no
-# moment.
 
 
 JointWrenches = list[tuple[GroupJoint, Wrench]]
 
 
 def group_wrenches(balance: LinkBalance, group: AnyGroup) -> JointWrenches:
-    """The wrench of every joint of a group on its far body, once all later groups are entered."""
+    """The wrench of every joint of a group on its far body, as pairs (joint, wrench).
+
+    All later groups have to be entered in the balance.
+    """
     if isinstance(group, Group):
         return _wrenches_by_equilibrium(balance, group)
     if isinstance(group, DrivenLink):
@@ -184,7 +185,10 @@ def group_wrenches(balance: LinkBalance, group: AnyGroup) -> JointWrenches:
 
 
 def _wrenches_of_pin_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
-    """Wrenches of a dyad with an inner pin, whose force N follows from d₁·N = m₁ and −d₂·N = m₂."""
+    """Wrenches of a dyad with an inner pin, whose force N follows from d₁·N = m₁ and −d₂·N = m₂.
+
+    d and m are those of ``_left_by`` for its outer joints. The joints are in order first, inner, second.
+    """
     first, inner, second = dyad.joints
     assert isinstance(inner, Revolute)
     d, m = _left_by(balance, first, inner.far_local)
@@ -196,7 +200,10 @@ def _wrenches_of_pin_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
 
 
 def _wrenches_of_slide_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
-    """Wrenches of a dyad with an inner slide, which passes on the first link's moment and a force n f⊥."""
+    """Wrenches of a dyad with an inner slide, which passes on the first link's moment and a force n f⊥.
+
+    f is the unit vector along the slide. The joints are in order first, inner, second.
+    """
     first, inner, second = dyad.joints
     f, gap, need = _slide_direction(balance, inner), balance.gap(dyad.second, dyad.first), balance.needs[dyad.second]
     passed = balance.needs[dyad.first][2]
@@ -211,7 +218,10 @@ def _wrenches_of_slide_dyad(balance: LinkBalance, dyad: Dyad) -> JointWrenches:
 
 
 def _wrenches_of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWrenches:
-    """Wrenches of a link that a cylinder drives; its push p along u follows from d·u p = m."""
+    """Wrenches of a link that a cylinder drives; its push p, N, along its unit vector u follows from d·u p = m.
+
+    d and m are those of ``_left_by`` for the outer joint, which comes first, then the cylinder.
+    """
     u, at = balance.direction(group.cylinder), group.cylinder.far_local
     d, m = _left_by(balance, group.outer, at)
     push = m / dot(d, u)
@@ -223,7 +233,8 @@ def _wrenches_of_driven_link(balance: LinkBalance, group: DrivenLink) -> JointWr
 def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scalar]:
     """The direction d in which a link's point moves on its outer joint, and the load along it that joints must meet.
 
-    Of a pin d is the arm turned by 90°, m, and the load a moment, N m; of a slide a unit vector and a force, N.
+    The point, ``at``, is in the link's frame, m. Of a pin d is the arm turned by 90°, m, and the load a moment, N m; of
+    a slide a unit vector and a force, N.
     """
     need = balance.needs[outer.far]
     if isinstance(outer, Revolute):
@@ -243,7 +254,7 @@ def _outer_wrench(balance: LinkBalance, outer: Joint, more: Pair, moment: Scalar
 
 
 def _slide_direction(balance: LinkBalance, slide: Joint) -> Pair:
-    """Unit vector along a slide."""
+    """Unit vector along a slide, ground frame."""
     assert isinstance(slide, Prismatic)
     return frames.arm(balance.poses[slide.near], slide.along)
 
@@ -338,8 +349,8 @@ class Reactions:
 def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
     """Forces of all joints and the drive's torque, without friction, at a crank speed ω and acceleration ε.
 
-    These, rad/s and rad/s², are signed, of the sweep's shape or scalar; zeros give the static forces. Raises as
-    ``reactions_to`` does.
+    These, rad/s and rad/s², are signed, of the sweep's shape or scalar; zeros give the static forces. Raises
+    AssemblyError where the linkage cannot be put together or stands in a dead position.
     """
     return reactions_to(sweep, all_loads(sweep, speed, acceleration))
 
@@ -393,6 +404,7 @@ def _enter_driver(balance: LinkBalance) -> Scalar:
 def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
     """Force of the linkage on its frame, N, and its moment ``about`` a point of the ground, N m: (3, *angle.shape).
 
+    The point is in m; the crank's speed, rad/s, and acceleration, rad/s², are signed, of the sweep's shape or scalar.
     By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces − Σ
     m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
     fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
@@ -411,5 +423,5 @@ def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vect
 
 
 def _filled(sweep: Sweep, *parts: Scalar) -> Array:
-    """Numbers, each in the shape of the sweep's angles, as one array."""
+    """Numbers, each in the shape of the sweep's angles, as one array (parts, *angle.shape)."""
     return np.stack([np.copy(np.broadcast_to(part, sweep.angle.shape)) for part in parts])

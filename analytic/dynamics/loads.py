@@ -68,7 +68,10 @@ def all_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Loa
 
 
 def external_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterator[Load]:
-    """Yield loads without a reaction on the linkage: weights, inertia forces, forces at points, torques on links."""
+    """Yield loads without a reaction on the linkage: weights, inertia forces, forces at points, torques on links.
+
+    The crank's speed, rad/s, and acceleration, rad/s², are signed, of the sweep's shape or scalar.
+    """
     for link in sweep.linkage.links.values():
         yield _mass_load(sweep, link, speed, acceleration)
     for load in sweep.linkage.applied:
@@ -77,7 +80,10 @@ def external_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterato
 
 
 def _mass_load(sweep: Sweep, link: Link, speed: Scalar, acceleration: Scalar) -> Load:
-    """Weight and inertia: m (g − S̈) at the mass centre and −J θ̈; at rest no derivative is computed."""
+    """Weight and inertia: m (g − S̈), N, at the mass centre and −J θ̈, N m; at rest no derivative is computed.
+
+    The crank's speed, rad/s, and acceleration, rad/s², are signed, of the sweep's shape or scalar.
+    """
     x, y = sweep.linkage.gravity
     if not (np.any(speed) or np.any(acceleration)):
         return Load(link.name, link.centre, (link.mass * x, link.mass * y))
@@ -166,5 +172,5 @@ def _pull(sweep: Sweep, spring: Spring, per_length: Scalar) -> Between:
 
 
 def _opposite_torques(links: tuple[str, str], torque: Scalar) -> Between:
-    """The loads of a torque, N m, against the rotation of the first body, and its reverse on the second."""
+    """The loads of a torque, N m, against the rotation of the first of two bodies, and its reverse on the second."""
     return Load(links[0], (0.0, 0.0), None, -torque), Load(links[1], (0.0, 0.0), None, torque)

@@ -36,7 +36,10 @@ from analytic.numerics.roots import root
 
 
 def link_inertia(sweep: Sweep, link: str) -> Array:
-    """One link's moment of inertia reduced to the crank, m |S'|² + J θ'², kg m²."""
+    """One link's moment of inertia reduced to the crank, m |S'|² + J θ'², kg m², in the shape of the sweep's angles.
+
+    ``link`` is its name; the array is read-only. Raises KeyError for an unknown link.
+    """
     return np.broadcast_to(np.asarray(_link_inertia(sweep, link), dtype=float), sweep.angle.shape)
 
 
@@ -53,7 +56,10 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
 
 
 def _weighted_products(sweep: Sweep, link: str, order: int) -> Scalar:
-    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', kg m²/rad, and with order 1 of Jeq; zero factors are left out."""
+    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', kg m²/rad, with ``order`` 2, and of Jeq, kg m², with 1.
+
+    Zero factors are left out.
+    """
     body = sweep.linkage.links[link]
     inertia = _own_inertia(body)
     moved = 0.0 if is_zero(body.mass) else body.mass * frames.dot(sweep.centre(link, 1), sweep.centre(link, order))
@@ -70,7 +76,7 @@ def _own_inertia(body: Link) -> Scalar:
 
 
 def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
-    """Jeq, kg m²: the sum over all links, or over those named."""
+    """Jeq, kg m², in the shape of the sweep's angles: the sum over all links, or over those named."""
     names = list(sweep.linkage.links) if links is None else list(links)
     total = np.zeros(sweep.angle.shape)
     for name in names:
@@ -79,7 +85,10 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
 
 
 def group_inertia(sweep: Sweep) -> dict[str, Array]:
-    """Jeq, kg m², (...), of the crank and of every Assur group, by name, as "crank (class I)"."""
+    """Jeq, kg m², (...), of the crank and of every Assur group, by name, as "crank (class I)".
+
+    Where a cylinder drives there are groups alone.
+    """
     linkage = sweep.linkage
     parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)} if linkage.crank else {}
     for group in sweep.structure.groups:
@@ -126,7 +135,10 @@ def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointFor
 
 
 def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain or traced
-    """The power at unit speed of the driver, N m, of one load or more together."""
+    """The power at unit speed of the driver of one load or more together.
+
+    It is in N m of a crank, in N of a driver that is pushed.
+    """
     first, *rest = (load.power(sweep) for load in loads)
     return sum(rest, first)
 
@@ -148,7 +160,7 @@ def damping_coefficient(sweep: Sweep) -> Array:
 
 
 def kinetic_energy(sweep: Sweep, speed: ArrayLike) -> Array:
-    """Teq = ½ Jeq ω², J."""
+    """Teq = ½ Jeq ω², J, at the crank's ``speed``, rad/s, of the sweep's shape or scalar."""
     return np.asarray(0.5 * reduced_inertia(sweep) * np.square(speed))
 
 
@@ -174,7 +186,10 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
 
 def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
-    """Mkr as from ``drive_torque``, N m, for a given Jeq, kg m²; at rest it needs no second derivative."""
+    """Mkr as from ``drive_torque``, N m, for a given Jeq, kg m², speed, rad/s, and acceleration, rad/s².
+
+    These are of the sweep's shape or scalar; at rest no second derivative is computed.
+    """
     turns = bool(np.any(speed))
     torque = inertia * acceleration
     if turns:
@@ -206,7 +221,8 @@ class TimeDependence(TypedDict, total=False):
 class EquationOfMotion:
     """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads.
 
-    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is its part of φ̈.
+    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is its part of φ̈. With a ``table``
+    the terms are read from it.
     """
 
     mechanism: Mechanism
@@ -268,13 +284,16 @@ class EquationOfMotion:
 
     @property
     def timing(self) -> TimeDependence:
-        """The torque over time as an integrator needs it: its part of φ̈, and the times of its kinks, s."""
+        """The torque over time as keyword arguments of ``integrate``; {} without such a torque.
+
+        They are ``push``, its part of φ̈, and ``knots``, the times of its kinks, s.
+        """
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The equation read from a table over its period, which is faster; itself for a crank without full turns.
+        """A copy that is read from a table over its period, which is faster; itself for a crank without full turns.
 
-        ``degree`` is that of the table's polynomials.
+        ``degree`` is that of the table's polynomials. A driver that is pushed has no full turns.
         """
         if self.mechanism.linkage.is_linear:
             return self
@@ -290,7 +309,8 @@ def equation_of_motion(
 ) -> EquationOfMotion:
     """The equation under a crank torque M1, N m, constant or a law of φ, and a torque ``over_time`` besides.
 
-    Raises LinkproofError where it has no solution: Jeq is 0 somewhere, a joint has friction, or a load acts one way.
+    Raises LinkproofError where it has no solution: Jeq is 0 somewhere, a joint has friction, a load acts one way, or M1
+    is not finite.
     """
     _check_inertia(mechanism)
     if mechanism.linkage.friction:
@@ -363,7 +383,8 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
 
     ``torque`` is M1, N m, a number or a law of φ. Empty without an equilibrium: the torque outweighs the loads, or
     there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver that
-    is pushed; two angles nearer to each other than half a degree may be missed.
+    is pushed; two angles nearer to each other than half a degree may be missed. Raises LinkproofError for a torque that
+    is not finite.
     """
     law = crank_torque(torque)
 
@@ -411,7 +432,8 @@ BESIDE, NEAR_JUMP = 1e-9, 1e-4  # rad from a jump: either side; where an engine 
 def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
     """The values of φ between two others, rad or m, ascending, at which a load has a corner, or sets in.
 
-    Of a joint with friction they are the two sides of each reversal, where the friction jumps.
+    ``low`` and ``high`` themselves are left out. Of a joint with friction they are the two sides of each reversal,
+    where the friction jumps.
     """
     laws = mechanism.linkage.laws
     places = [(corner, law.period) for law in laws if law.over == "phi" for corner in law.corners]
@@ -445,7 +467,10 @@ def _turning_places(mechanism: Mechanism) -> list[float]:
 
 @once_per_mechanism
 def _corners_of_turn(mechanism: Mechanism) -> list[float]:
-    """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn."""
+    """Crank angles, rad, at which a load over S has a corner, or one of a direction sets in; none without a turn.
+
+    They are computed once per mechanism and not sorted.
+    """
     laws, turns = mechanism.linkage.laws, round(mechanism.period / FULL_TURN)
     corners = {corner for law in laws if law.over == "S" for corner in law.corners}
     places = _turning_places(mechanism)
@@ -457,7 +482,10 @@ def _corners_of_turn(mechanism: Mechanism) -> list[float]:
 
 @once_per_mechanism
 def _reversals(mechanism: Mechanism) -> list[float]:
-    """Crank angles, rad, at which the relative motion in a joint with friction turns back; none without a turn."""
+    """Crank angles, rad, at which the relative motion in a joint with friction turns back; none without a turn.
+
+    They are computed once per mechanism, joint by joint.
+    """
     if not mechanism.linkage.friction or mechanism.linkage.is_linear or not mechanism.crank_range().is_full_turn:
         return []
     turns = round(mechanism.period / FULL_TURN)

@@ -42,7 +42,8 @@ EPS: Final = float(np.finfo(float).eps)
 class FreeMotion:
     """A crank motion that solves the equation of motion; made by ``free_motion``.
 
-    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0.
+    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0; the
+    motion lasts ``duration``, s. ``windows`` have it as integrated to ``tolerance``, a share of the speed.
     """
 
     regime: str
@@ -53,15 +54,15 @@ class FreeMotion:
     tolerance: float
 
     def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
+        """φ(t), rad, at times, s; shape of ``time``."""
         return self.windows.angle_at(np.asarray(time, dtype=float))
 
     def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
+        """ω(t), rad/s, at times, s; shape of ``time``."""
         return self.windows.speed_at(np.asarray(time, dtype=float))
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s², from the equation of motion at φ(t) and ω(t)."""
+        """ε(t), rad/s², at times, s, from the equation of motion at φ(t) and ω(t); shape of ``time``."""
         angle = self.angle(time)
         values = self.equation.acceleration(angle, self.speed(time))
         return values if self.equation.over_time is None else values + self.equation.push(time, angle)
@@ -83,7 +84,7 @@ class FreeMotion:
         return float(highest(size, instants, size(instants))[0][0])
 
     def _instants(self, count: int) -> Array:
-        """``count`` instants, evenly spaced, in each window, and the last window's end, s."""
+        """``count`` instants, s, evenly spaced, in each window, in one array (n,), and the last window's end."""
         starts = self.windows.starts
         inside = starts[:-1, None] + np.diff(starts)[:, None] * np.linspace(0.0, 1.0, count, endpoint=False)
         return np.append(inside.ravel(), starts[-1])
@@ -102,7 +103,10 @@ class FreeMotion:
         return 2.0 * self._integration_error(time, angle) + self._closed_form_error(time, angle) + rounding
 
     def _integration_error(self, time: Array, angle: Array) -> float:
-        """Largest difference of φ, rad, from the second integration."""
+        """Largest difference of φ, rad, from the second integration.
+
+        It is looked for at instants ``time``, s, where φ is ``angle``, rad.
+        """
         equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
         control = _integrate_windows(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
         return float(np.max(np.abs(angle - control.angle_at(time))))
@@ -110,7 +114,8 @@ class FreeMotion:
     def _closed_form_error(self, time: Array, angle: Array) -> float:
         """Largest change of φ, rad, by roundings of the closed form.
 
-        Those of the moment may all have one sign; those of ½Jeq' are proportional to it, else they would do work.
+        It is looked for at instants ``time``, s, where φ is ``angle``, rad. Those of the moment may all have one sign;
+        those of ½Jeq' are proportional to it, else they would do work.
         """
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
@@ -118,7 +123,7 @@ class FreeMotion:
         push = DISTURBANCE * self.equation.peak_moment
 
         def disturbed(angle: Array, speed: Array) -> Array:
-            """Acceleration, rad/s², with every term wrong by ``DISTURBANCE`` in the worst direction."""
+            """φ̈, rad/s², at φ, rad, and ω, rad/s, with every term wrong by ``DISTURBANCE`` in the worst direction."""
             moment, damping, slope = self.equation.terms(angle)[:3]
             more, less = 1.0 + DISTURBANCE, 1.0 - DISTURBANCE
             return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
@@ -151,7 +156,7 @@ def free_motion(
 
     ``torque`` is M1 on the crank, N m, a number or a law of φ; a torque ``over_time`` and the linkage's loads act
     besides. ``tolerance`` is the error of the speed within one window of integration, relative to it. Raises
-    LinkproofError where the motion cannot be followed.
+    LinkproofError for a wrong number, where ``equation_of_motion`` does, and where the motion cannot be followed.
     """
     for name, value in (("start angle", start_angle), ("start speed", start_speed)):
         if not math.isfinite(value):
@@ -166,9 +171,11 @@ def free_motion(
 def follow(
     equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
 ) -> FreeMotion:
-    """Integrate an equation of motion that may be tabulated already; arguments as for ``free_motion``.
+    """Integrate an equation of motion that may be tabulated already.
 
-    Raises LinkproofError where the motion cannot be followed.
+    The motion starts at ``start_angle``, rad, with ``start_speed``, rad/s, and lasts ``duration``, s; ``tolerance`` is
+    the error of the speed within one window of integration, relative to it. Raises LinkproofError where the motion
+    cannot be followed.
     """
     start = (start_angle, start_speed)
     windows = _integrate_windows(equation, start, duration, NODES, tolerance)
@@ -180,9 +187,11 @@ def follow(
 def _integrate_windows(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
-    """The windows of a motion, integrated to a tolerance of the speed.
+    """The windows of a motion, integrated by Gauss's method with so many ``nodes`` a window.
 
-    Near an equilibrium the moment is a small difference, with the rounding of its peak.
+    ``start`` is (φ, rad, ω, rad/s), ``duration`` in s, ``tolerance`` of the speed within a window, relative to it. Near
+    an equilibrium the moment is a small difference, with the rounding of its peak. Raises LinkproofError where the
+    motion cannot be followed.
     """
     rounding = ROUNDINGS * EPS * equation.peak_moment
     linkage = equation.mechanism.linkage
@@ -220,7 +229,7 @@ def energy_imbalance(motion: FreeMotion) -> float:
 
 
 def _power_of_loads(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Power, W, at instants (n,), s, of torque, forces and damping, which have no potential energy."""
+    """Power, W, at instants, s, of torque, forces and damping, which have no potential energy; shape of ``time``."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     sweep = mechanism.sweep(angle)
     force = motion.equation.torque(angle)[0]
@@ -263,7 +272,10 @@ class Rotation:
 
 
 def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
-    """The rotation in the last ``turns`` whole turns of a motion; raises LinkproofError if it did not make them."""
+    """The rotation in the last ``turns`` whole turns of a motion.
+
+    Raises LinkproofError if it did not make them, or for fewer than one.
+    """
     end, whole = float(motion.angle(motion.duration)), turns * FULL_TURN
     direction = 1.0 if end > float(motion.angle(0.0)) else -1.0
     start = _last_passage(motion, end - direction * whole)
@@ -276,10 +288,10 @@ def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
 
 
 def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotation:
-    """Mean speeds, rad/s, over time and over φ, and the extreme speeds, between two instants, s, ``turns`` apart."""
+    """The rotation between two instants, s, at which the crank is so many whole ``turns`` apart."""
 
     def speed(phase: Array) -> Array:
-        """Speed, rad/s, at a phase of 0 to 2π, which spans the time from ``start`` to ``end``."""
+        """Speed, rad/s, at a phase, which spans the time from ``start`` to ``end`` from 0 to 2π and repeats."""
         return motion.speed(start + (end - start) * (phase % FULL_TURN) / FULL_TURN)
 
     result, time = extremes(speed, SAMPLES_PER_TURN * turns), end - start
@@ -303,7 +315,8 @@ def _last_passage(motion: FreeMotion, angle: float) -> float | None:
 def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
     """The rotation that repeats itself turn after turn under a crank torque M1, N m, a number or a law of φ.
 
-    Raises LinkproofError without a steady rotation: no damping, no mean torque, or too little torque for the loads.
+    Raises LinkproofError without a steady rotation: no damping, no mean torque, or too little torque for the loads; and
+    where ``equation_of_motion`` does. AssemblyError for a crank that cannot make a full turn.
     """
     equation = equation_of_motion(mechanism, torque)
     sweep = mechanism.sweep(grid())
@@ -348,9 +361,9 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
 
 
 def _one_turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
-    """A motion from φ = 0 at a speed, rad/s, and when, s, it has made one turn.
+    """A motion from φ = 0 at a speed, rad/s, signed, and when, s, it has made one turn.
 
-    None if the crank does not get round.
+    None if the crank does not get round in the time of five turns at this speed.
     """
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):
@@ -363,9 +376,10 @@ def _one_turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, flo
 
 
 def _stalls(equation: EquationOfMotion, speed: float) -> bool:
-    """Whether the crank comes to rest within the turn that it starts at φ = 0: ω² over φ, by the Runge-Kutta method.
+    """Whether the crank comes to rest within the turn that it starts at φ = 0 at a speed, rad/s, signed.
 
-    Over φ a stall takes no longer than a turn; over time the crank would swing in its dwell for ever.
+    Computed is ω² over φ, by the Runge-Kutta method: over φ a stall takes no longer than a turn; over time the crank
+    would swing in its dwell for ever.
     """
     angle = np.copysign(np.linspace(0.0, FULL_TURN, 2 * SAMPLES_PER_TURN + 1), speed)
     terms: list[list[float]] = equation.terms(angle).tolist()
