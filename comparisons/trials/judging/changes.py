@@ -35,7 +35,10 @@ LARGEST: Final = 1 << 25  # bytes of a file of rows
 
 
 def write_rows(rows: Iterable[Error], file: Path) -> None:
-    """Write rows as CSV, sorted, replacing the file: errors with four digits, figures with nine."""
+    """Write rows as CSV, sorted, replacing the file: errors with four digits, figures with nine.
+
+    Columns are ``COLUMNS``, ``value`` being ``error_max``. Raises LinkproofError where the file cannot be written.
+    """
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -48,7 +51,11 @@ def write_rows(rows: Iterable[Error], file: Path) -> None:
 
 
 def read_rows(file: Path) -> list[Error]:
-    """The rows of a CSV file, with no more than its columns; raises LinkproofError, with the line, for another form."""
+    """The rows of a CSV file that ``write_rows`` wrote, in its order; of each Error its columns alone are filled in.
+
+    Raises LinkproofError, with the line, for other columns, a wrong value, or a row that stands above, and without a
+    line for a file that is missing, too large, or no CSV in UTF-8.
+    """
     cure = "record it again with --record, or correct the line"
     content = read_file(file, "recorded results", LARGEST)
     try:
@@ -73,7 +80,10 @@ def read_rows(file: Path) -> list[Error]:
 
 
 def _row(cells: list[str]) -> Error:
-    """The Error record of a CSV row's cells; raises ValueError for wrong cells."""
+    """The Error record of a CSV row's cells, in the order of ``COLUMNS``; raises ValueError for wrong cells.
+
+    Those are too many or few, a value that is not a finite number, a figure without one, or an unknown outcome.
+    """
     if len(cells) != len(COLUMNS):
         raise ValueError(f"expected {len(COLUMNS)} columns, got {len(cells)}")
     outcome, text = cells[-2:]
@@ -90,7 +100,7 @@ def _row(cells: list[str]) -> Error:
 
 
 def _place_of_row(row: Error) -> Place:
-    """The columns by which a row before and a row after are the same result."""
+    """The columns by which a row before and a row after are the same result: the run's names and the quantity."""
     return row[:7]
 
 
@@ -122,18 +132,18 @@ class Change:
 
     @property
     def run(self) -> str:
-        """The run's names as one text."""
+        """The run's names as one text, without the conditions."""
         mechanism, variant, regime, _, engine, setting, _ = self.place
         return f"{mechanism} ({variant}), {regime}, {engine} {setting}".rstrip()
 
     @property
     def share(self) -> float | None:
-        """The relative change; None without both values, or from zero."""
+        """The relative change, of 1; None without both values, or from zero."""
         return self.after / self.before - 1.0 if self.before and self.after is not None else None
 
     @property
     def sentence(self) -> str:
-        """The change in one sentence."""
+        """The change in one sentence without a full stop: which row, and what it was and is."""
         place = f"{self.run}, {self.place[-1]}"
         if self.kind is ChangeKind.FAILING:
             return f"{place}: {Verdict(self.outcome).value}, and was not before"
@@ -148,7 +158,10 @@ class Change:
 
 
 def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]:
-    """Yield the differences of rows ``after`` from rows ``before``, in the order of their names: an outer join."""
+    """Yield the differences of rows ``after`` from rows ``before``, in the order of their names: an outer join.
+
+    A row that is neither newly failing nor off by more than is allowed has none.
+    """
     old, new = ({_place_of_row(row): row for row in rows} for rows in (before, after))
     roundings = _rounding_errors(old, new)
     for place in sorted(old.keys() | new.keys()):
@@ -160,9 +173,9 @@ def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]
 
 
 def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
-    """The kind of change between the rows of one place, ``was`` and ``now``; None for none.
+    """The kind of change between the rows of one place, ``was`` and ``now``, of which one may be None; None for none.
 
-    ``roundings`` are what figures of a motion and unit may differ by.
+    ``roundings`` are what figures of a motion and unit may differ by, in that unit.
     """
     if was is None or now is None:
         there = was or now
@@ -180,7 +193,11 @@ def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[Mot
 
 
 def _rounding_errors(old: Mapping[Place, Error], new: Mapping[Place, Error]) -> dict[MotionUnit, float]:
-    """The rounding error of the largest recorded figure, by motion and unit; of rad no less than SAME_FIGURE."""
+    """The rounding error of the largest recorded figure, by motion and unit; of rad no less than SAME_FIGURE.
+
+    Only figures of the closed form count, of rows both recorded, ``old``, and there now, ``new``; the errors are in the
+    unit.
+    """
     values: dict[MotionUnit, float] = {}
     for place, row in new.items():
         if row.engine == CLOSED_FORM and (was := old.get(place)) is not None and was.error_max is not None:

@@ -38,7 +38,10 @@ class Limit(TomlTable):
     engines: frozenset[str] = frozenset()
 
     def fits(self, quantity: str, setting: str, regime: str, mechanism: str, engine: str) -> bool:
-        """Whether this row of the table covers a record with these names; the regime counts by its kind, too."""
+        """Whether this row of the table covers a record with these names; the regime counts by its kind, too.
+
+        ``quantity`` is without a joint's name. The kinds are ``SWING`` and ``OWN``.
+        """
         kind = regime if regime in REGIMES else SWING if regime in LAWS else OWN
         return (
             quantity in self.quantities
@@ -58,7 +61,8 @@ class LimitTable:
     def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "", engine: str = "") -> Limit:
         """The row of the table that covers a record; raises LookupError for a quantity that no row covers.
 
-        Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
+        The first that fits counts. Forces of all joints share a limit, and so do all regimes that linkages define for
+        themselves. With "" for the mechanism or the engine only rows that hold for all of them fit.
         """
         name = quantity.partition(":")[0]
         for row in self.rows:
@@ -67,11 +71,11 @@ class LimitTable:
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
     def judge(self, record: Error) -> Error:
-        """The record with limit and verdict, by comparing its error with its limit.
+        """A copy of the record with limit and verdict, by comparing its error with its limit.
 
         ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
-        that is the adapter's own says nothing of the engine; what has no error, or was left undecided, stays as it is.
-        Raises LookupError for a quantity without a limit.
+        that is the adapter's own says nothing of the engine: its verdict is COMPUTED. What has no error, or was left
+        undecided, comes back as it is. Raises LookupError for a quantity without a limit.
         """
         error = record.error_max
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):
@@ -109,7 +113,7 @@ class LimitTable:
 
 @cache
 def shipped_limits() -> LimitTable:
-    """The suite's own table of limits, read once."""
+    """The suite's own table of limits, read once and shared by all callers."""
     return table_from_rows(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
 
 
@@ -119,7 +123,7 @@ def table_from_rows(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
 
 
 def limit(quantity: str, setting: str, regime: str, engine: str = "") -> Limit:
-    """The row of the suite's own table; arguments and errors as for ``LimitTable.limit``."""
+    """The row of the suite's own table, for no mechanism in particular; else as ``LimitTable.limit``, errors too."""
     return shipped_limits().limit(quantity, setting, regime, engine=engine)
 
 
@@ -133,12 +137,18 @@ class LimitDocument(TomlTable):
 
 
 def read_limits(path: Path) -> LimitTable:
-    """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for a wrong file."""
+    """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for a wrong file.
+
+    That is one that is missing or no such TOML, or a row with an unknown setting, quantity or engine.
+    """
     return with_rows(read_document(path, "a TOML file of limits", LimitDocument).limit, str(path))
 
 
 def with_rows(rows: Sequence[Limit], origin: str) -> LimitTable:
-    """A table in which a user's rows precede the suite's; ``origin`` names their file. Raises UnknownNameError."""
+    """A table in which a user's rows precede the suite's; ``origin`` names their file in errors.
+
+    Raises UnknownNameError for a row's setting, quantity or engine that does not exist.
+    """
     ours = shipped_limits()
     for number, row in enumerate(rows, start=1):
         for name in sorted(row.settings - {*Setting}):
@@ -155,7 +165,8 @@ def check_named(
 ) -> None:
     """Raise UnknownNameError for a user's row with an unknown mechanism or regime, which would never apply.
 
-    The linkages' names are looked up only if a row has others than the suite's.
+    ``mechanisms()`` and ``regimes()`` give the names that the linkages at hand have; they are called only for a row
+    with others than the suite's.
     """
     for number, row in enumerate(table.rows[: -len(shipped_limits().rows)], start=1):
         for kind, used, ours, known in (
@@ -174,7 +185,10 @@ V = TypeVar("V")
 
 
 def judge(record: Error) -> Error:
-    """The record with limit and verdict, by the suite's own limits."""
+    """The record with limit and verdict, by the suite's own limits, as from ``LimitTable.judge``.
+
+    Raises LookupError for a quantity without a limit.
+    """
     return shipped_limits().judge(record)
 
 

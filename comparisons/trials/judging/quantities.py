@@ -51,9 +51,10 @@ ROUNDING: Final = 1e-9  # of the half window
 class Quantity:
     """A compared quantity: ``reference(case, time)`` is the truth, ``observed(case, motion)`` what the engine did.
 
-    Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
-    than given; ``clock`` is the channel whose samples it has; ``zero`` is where it is counted from, which the engine's
-    own motion shows only if its crank turns fully, or cannot.
+    The truth at times (n,), s, is (n,), or (n, 2) for a vector, in ``unit``; what the engine did is a Signal of such
+    values, or of a vector's magnitudes. ``prescribed`` and ``free`` say under which drive it is a result rather than
+    given; ``clock`` is the channel whose samples it has, ``also`` are others that it is made of; ``zero`` says in words
+    where it is counted from, which the engine's own motion shows only if its crank turns fully, or cannot.
     """
 
     name: str
@@ -71,7 +72,7 @@ class Quantity:
     zero: str = ""
 
     def origin(self, motion: ObservedMotion) -> Origin:
-        """The weakest origin of the engine's signals that the quantity is computed from."""
+        """The weakest origin of the engine's signals that the quantity is computed from; they must be recorded."""
         if self.name.startswith(JOINT_FORCE):
             return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
         return motion.origin(self.channels)
@@ -130,7 +131,7 @@ def _kinetic_energy(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _power(case: Case, motion: ObservedMotion) -> Signal:
-    """Power of the drive, W, on the clock of the torque."""
+    """Power of the drive, W, on the clock of the torque: torque times the crank's speed, both the engine's."""
     torque = motion.signal(Channel.TORQUE)
     return Signal(torque.time, torque.values * motion.crank(Channel.VELOCITY, torque.time))
 
@@ -154,9 +155,9 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
-    """The output's coordinate, m, or its derivative of an ``order``, on a channel's clock.
+    """The output's coordinate, m, or its derivative of an ``order``, 1 or 2, per s or s², on a channel's clock.
 
-    Positive away from top dead centre.
+    Positive away from top dead centre. Raises LinkproofError without an output.
     """
     time = motion.signal(channel).time
     return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
@@ -169,7 +170,7 @@ def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signa
 
 
 def _joint_force(joint: str) -> Quantity:
-    """The force in a joint, N, as a quantity."""
+    """The force in a joint, N, as a quantity; its truth is (n, 2) in the ground frame, on the joint's first body."""
     return Quantity(
         JOINT_FORCE + joint,
         reference=lambda case, time: np.asarray(case.at(time).joint_forces[joint].T),
@@ -194,7 +195,8 @@ def _thread(case: Case) -> ThreadPath:
 def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
     """The feed, m, on the clock of the positions, computed from these and the engine's own reference angle.
 
-    Without a last full turn of the engine, the contour's reference length is the closed form's.
+    Without a last full turn of the engine, the contour's reference length is the closed form's. Raises LinkproofError
+    without a thread.
     """
     path, linkage = _thread(case), case.mechanism.linkage
     time = motion.signal(Channel.POSITION).time
@@ -239,7 +241,11 @@ OBSERVED: Mapping[str, Observed] = {
 
 
 def _quantity(name: str, row: dict[str, Any]) -> Quantity:
-    """A quantity from its row of ``quantities.toml``."""
+    """A quantity from its row of ``quantities.toml``: fields of ``Quantity`` by name, channels as text.
+
+    Unit and truth are those of the signal of this name in ``analytic.signals``, where there is one. Raises KeyError for
+    a name that ``OBSERVED`` lacks.
+    """
     channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
     if name not in SINGLE_SIGNALS:
         return Quantity(name, _true_feed, OBSERVED[name], **{**row, **channels})
@@ -264,7 +270,7 @@ def all_quantities(case: Case) -> dict[str, Quantity]:
 
 
 def _worded_for_drive(quantity: Quantity, case: Case) -> Quantity:
-    """The quantity, its unit and words replaced by those for a linear drive if the case has one."""
+    """The quantity, its unit and title replaced by those for a linear drive if the case has one."""
     linkage = case.mechanism.linkage
     if not linkage.is_linear:
         return quantity
@@ -291,7 +297,7 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
 
 
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
-    """Raise LinkproofError for a quantity of which the closed form has no value in this case."""
+    """Raise LinkproofError for the first quantity of which the closed form has no value in this case."""
     for quantity in quantities:
         reason = quantity.undefined(case).partition(";")[0]
         if reason:
@@ -302,7 +308,10 @@ def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
 
 
 def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
-    """Raise LinkproofError or UnknownNameError with the reason why a case lacks this quantity."""
+    """Raise LinkproofError or UnknownNameError with the reason why a case lacks this quantity.
+
+    ``known`` are the case's own, by name. Unknown is a name that no case has.
+    """
     if name not in QUANTITIES:
         raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
     if QUANTITIES[name].needs_output:
@@ -316,7 +325,7 @@ def _refuse_quantity(case: Case, name: str, known: Mapping[str, Quantity]) -> No
 
 
 def near_jumps(time: Array, motion: DriverMotion) -> Booleans:
-    """Which of the times (n,), s, lie in the window around some jump of a motion's acceleration.
+    """Which of the times (n,), s, lie in the window around some jump of a motion's acceleration, (n,).
 
     There accelerations, torques and forces have two true values. The window belongs to the motion: it is as wide for
     long steps of an engine or a file as for short ones.
@@ -333,7 +342,10 @@ def has_two_values(case: Case, time: Array) -> Booleans:
 
 
 def near_jump(time: Array, motion: DriverMotion, jump: float) -> Booleans:
-    """Which of the times (n,), s, lie in the window around ``jump``, s, one of the motion's jumps."""
+    """Which of the times (n,), s, lie in the window around ``jump``, s, one of the motion's jumps, (n,).
+
+    It reaches ``WINDOW`` of the shortest time between two jumps, the start or the end to either side.
+    """
     pieces = np.diff(np.unique([0.0, *motion.jumps, motion.duration]))
     half = WINDOW * float(np.min(pieces, initial=motion.duration))
     return np.asarray(np.abs(time - jump) <= half * (1.0 + ROUNDING))
@@ -349,10 +361,12 @@ class NoSampleError(ValueError):
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error) -> tuple[Error, Curve]:
     """The ``blank`` record with the errors of one quantity over every sample that the engine returned, and its curve.
 
-    At an acceleration jump (``near_jumps``), samples of accelerations and torques have a bound of their own: an engine
-    may be off by the jump besides. Where friction or a load jumps they are left out, and so are samples of Jeq near
-    standstill; ``left_out`` counts both. A vector is compared as one, and stored by its magnitude; where the engine
-    tells the magnitude alone, magnitudes are compared. Raises NoSampleError where no sample is left.
+    The record is not judged yet; the curve is from ``stored_curve``. At an acceleration jump (``near_jumps``), samples
+    of accelerations and torques have a bound of their own: an engine may be off by the jump besides. Where friction or
+    a load jumps they are left out, and so are samples of Jeq near standstill; ``left_out`` counts both. A vector is
+    compared as one, and stored by its magnitude; where the engine tells the magnitude alone, magnitudes are compared.
+    Raises NoSampleError where no sample is left, forces have no bound, a thread's feed has no value, or no link has a
+    mass and the truth is zero; LinkproofError where the closed form has none.
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
@@ -400,7 +414,10 @@ def _error_at_jumps(case: Case, quantity: Quantity, time: Array, errors: Array) 
 
 
 def _truth_beside_jumps(case: Case, quantity: Quantity) -> tuple[Array, Array]:
-    """The truth just before and after every jump, (jumps, ...) each; at the start the crank is at rest before."""
+    """The truth just before and after every jump, (jumps,) or (jumps, 2) each, SI.
+
+    At the start the crank is at rest before.
+    """
     jumps = np.asarray(case.motion.jumps)
     before, after = (quantity.reference(case.apart, time) for time in (np.nextafter(jumps, 0.0), jumps))
     if jumps[0] == 0.0:
@@ -409,7 +426,7 @@ def _truth_beside_jumps(case: Case, quantity: Quantity) -> tuple[Array, Array]:
 
 
 def _magnitudes(values: Array) -> Array:
-    """Magnitude of every sample: of a number, or of a vector along the last axis."""
+    """Magnitude of every sample, (n,): of a number, or of a vector along the last axis."""
     return np.abs(values) if values.ndim == 1 else np.asarray(np.hypot(*values.T))
 
 

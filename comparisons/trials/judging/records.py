@@ -142,7 +142,7 @@ class RunRecord:
         return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
-        """The ``errors``, rows that end with the columns ``ERRORS``, as Error records of this run."""
+        """The ``errors``, rows that end with the columns ``ERRORS``, in this order, as Error records of this run."""
         names = _names(self)
         return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
@@ -152,11 +152,11 @@ class RunRecord:
         return (*self.errors, *self.invariants)
 
     def judged(self, judge: Callable[[Error], Error]) -> Self:
-        """A copy of the run with each error and invariant as ``judge`` returns it, with a new verdict."""
+        """A copy of the run with each error and invariant as ``judge(error)`` returns it, with a new verdict."""
         return replace(self, errors=tuple(map(judge, self.errors)), invariants=tuple(map(judge, self.invariants)))
 
     def rows(self, errors: Iterable[Error]) -> list[dict[str, Any]]:
-        """These ``errors`` as rows, JSON-ready, with the run's own columns in each."""
+        """These ``errors`` as rows, JSON-ready, with the run's own columns, ``FACTS``, in each."""
         own = {name: getattr(self, name) for name in FACTS}
         return [{**own, **error._asdict()} for error in errors]
 
@@ -179,7 +179,10 @@ class RunRecord:
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Curve] = MappingProxyType({})) -> Self:
-        """A run back from what was ``written``; raises ValueError for anything else."""
+        """A run back from what was ``written``, as the store reads it: errors and invariants are tuples of ``ERRORS``.
+
+        Raises ValueError for a wrong field or outcome, KeyError for a row that lacks errors or invariants.
+        """
         run = cls._adapter().validate_python({name: row[name] for name in row if name not in PARTS})
         errors, checks = (run.own(row[part]) for part in PARTS)
         if not {error.outcome for error in (*errors, *checks)} <= OUTCOMES:
@@ -192,7 +195,10 @@ FACTS: Final = tuple(field.name for field in fields(RunRecord) if field.name not
 
 
 def run_of(case: Case, setting: str, engine: str = "", version: str = "") -> RunRecord:
-    """The record of a run that is still to be made: its names and the engine's ``version`` alone are filled in."""
+    """The record of a run that is still to be made: its names and the engine's ``version`` alone are filled in.
+
+    ``setting`` may be a method's name; ``engine`` is a name.
+    """
     linkage = case.mechanism.linkage
     names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
     return RunRecord(*names, engine, version, setting)

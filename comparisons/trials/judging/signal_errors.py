@@ -27,7 +27,8 @@ FAINT_FORCE: Final = 1e-9
 class Reading:
     """A signal of a history: place or angle of a body (``name``), force of a joint, torque of the drive.
 
-    ``time`` (n,), s, are its samples, ``columns`` those that it has of its body's or its joint's.
+    ``time`` (n,), s, are its samples, ``columns`` those that it has of its body's or its joint's; ``name`` is "" for
+    the torque.
     """
 
     scene: Scene
@@ -43,11 +44,14 @@ class Reading:
         return self.values_at(self.time)
 
     def values_at(self, time: Array) -> Array:
-        """Values of the signal at times, s, (n, k); outside of its own clock the first or the last."""
+        """Values of the signal at times, s, (n, k), interpolated; outside of its own clock the first or the last."""
         return self.channel_values(self.channel, self.name, time)[:, self.columns]
 
     def channel_values(self, channel: Channel, name: str, time: Array) -> Array:
-        """All columns of a channel of the body or joint ``name`` at times, s, (n, columns)."""
+        """All columns of a channel of the body or joint ``name`` at times, s, (n, columns), interpolated.
+
+        Outside of the channel's clock they are the first or the last.
+        """
         if channel is Channel.JOINT_FORCE:
             signal = self.history.joint_force[name]
         else:
@@ -91,7 +95,7 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     """The true values of all signals of a history, from the closed form, at the same times.
 
     Where the history has only magnitudes of forces, so has the result. Angles are continuous, as those of engines are.
-    Raises LinkproofError where the closed form has none.
+    Raises LinkproofError where the closed form has none, as in a dead position.
     """
     bodies = [body.name for body in scene.bodies]
 
@@ -114,7 +118,8 @@ class SignalError:
     """What an engine has of one signal beside the truth; the error is over ``scale``, in the signal's unit.
 
     ``scale`` is the linkage's size or a radian for a position; for a velocity or an acceleration its peak over all
-    bodies, of their places or of their angles; for a torque or a force its own peak.
+    bodies, of their places or of their angles; for a torque or a force its own peak. ``counted`` (n,) says which
+    samples have an error.
     """
 
     read: Reading
@@ -140,7 +145,7 @@ class SignalError:
 
     @cached_property
     def sizes(self) -> Array:
-        """Magnitudes of the errors as shares of the scale, (n,)."""
+        """Magnitudes of the errors as shares of the scale, (n,); computed once."""
         return np.asarray(np.hypot.reduce(self.components, axis=1))
 
     @property
@@ -159,9 +164,10 @@ def signal_errors(
 ) -> list[SignalError]:
     """The error of every body's place and angle, of the torque and of every joint's force, in these channels.
 
-    At jumps of the acceleration, of friction and of loads accelerations, torque and forces have two values, and no
-    error. A released crank's torque is given, and forces have no bound where the linkage passes a change point: these
-    are left out. Raises LinkproofError where the closed form has no value, as in a dead position.
+    Channels that were not recorded are left out. At jumps of the acceleration, of friction and of loads accelerations,
+    torque and forces have two values, and no error. A released crank's torque is given, and forces have no bound where
+    the linkage passes a change point: these are left out, and so is the angle of a point. Raises LinkproofError where
+    the closed form has no value, as in a dead position.
     """
     left_out = {Channel.TORQUE} if not case.is_prescribed else set()
     left_out |= {Channel.JOINT_FORCE} if case.unbounded_at is not None else set()

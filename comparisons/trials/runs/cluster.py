@@ -39,8 +39,8 @@ class DaskPool:
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Yield number and result of each ``function(*job)``, as a ``Pool`` does, as they end.
 
-        Two a thread are under way. Raises LinkproofError where there is no scheduler, no worker, or one of another
-        version.
+        ``bounds`` and ``begun`` are as there, but ``begun`` is called as a job is sent to the scheduler; two a thread
+        are under way. Raises LinkproofError where there is no scheduler, no worker, or one of another version.
         """
         with self._client() as client:
             size = 2 * sum(client.nthreads().values())
@@ -68,7 +68,8 @@ class DaskPool:
     def _client(self) -> Any:  # noqa: ANN401 - distributed has no types
         """A connection to the scheduler, by the security that the user's configuration of Dask names.
 
-        Raises LinkproofError without Dask, scheduler or workers, or for workers of another version.
+        The log of Dask is silenced. Raises LinkproofError without Dask, scheduler or workers, or for workers of another
+        version.
         """
         try:
             from distributed import Client  # noqa: PLC0415
@@ -90,7 +91,7 @@ class DaskPool:
         return client
 
     def _result(self, future: Any) -> Any:  # noqa: ANN401
-        """The result of a job, or a Lost one if its workers died.
+        """The result of a job from its Dask ``future``, or a Lost one if its workers died.
 
         Raises LinkproofError where the scheduler has ended.
         """
@@ -112,7 +113,7 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
 
 
 def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: RunBounds) -> R | Lost:
-    """On a Dask worker: run a job in a process of this thread's own.
+    """On a Dask worker: run a job in a process of this thread's own, started with its first job.
 
     Its result, or a Lost one that says how it was lost.
     """

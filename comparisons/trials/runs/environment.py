@@ -21,7 +21,7 @@ INCIDENTAL = ("date", "machine")
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     """Facts that decide a figure or a time, by name, JSON-ready: date, machine, commit and versions.
 
-    Versions are those of Python, of the packages, and of these engines.
+    Versions are those of Python, of the packages, and of these engines, by name; unknown or absent ones are left out.
     """
     facts, here = {name: installed_version(name) for name in PACKAGES}, engine_names()
     facts |= {engine.name: engine.version() for engine in adapters([name for name in engines if name in here])}
@@ -46,7 +46,10 @@ def _processor() -> str:
 
 @cache
 def _commit() -> str:
-    """The commit of the checkout that the program runs from; "not from a checkout" for any other installation."""
+    """The commit of the checkout that the program runs from; "not from a checkout" for any other installation.
+
+    It is as from ``git describe --always --dirty``, asked for once.
+    """
     folder = Path(__file__).parent
     command = ["git", "-C", str(folder), "describe", "--always", "--dirty"]
     try:

@@ -44,7 +44,8 @@ _CLAIMS: weakref.WeakValueDictionary[Path, Claim] = weakref.WeakValueDictionary(
 def claim(folder: Path) -> Claim:
     """Keep other commands out of a results folder, created if missing, as long as the returned claim lives.
 
-    Raises LinkproofError where another process has claimed it, and for a path that is no results folder.
+    Within this process a claim that lives is shared. Raises LinkproofError where another process has claimed it, and
+    for a path that is no results folder.
     """
     check_folder(folder)
     try:
@@ -79,7 +80,10 @@ def check_folder(folder: Path) -> None:
 
 
 def _check_tree(place: Path) -> None:
-    """Raise LinkproofError for a link, pipe or device at a place or beneath it; a missing place is fine."""
+    """Raise LinkproofError for a link, pipe or device at a place or beneath it; a missing place is fine.
+
+    Raises OSError where it cannot be looked at.
+    """
     with suppress(FileNotFoundError):
         mode = place.lstat().st_mode
         if stat.S_ISDIR(mode):
@@ -91,7 +95,10 @@ def _check_tree(place: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Raise LinkproofError at once, not after an hour's work, if no file can be written at ``path``."""
+    """Raise LinkproofError at once, not after an hour's work, if no file can be written at ``path``.
+
+    Nothing is written; folders on the way to it may be missing.
+    """
     nearest = next(folder for folder in _final_path(path).parents if os.path.exists(folder))
     if not nearest.is_dir() or not os.access(nearest, os.W_OK):
         raise _write_error(path)
@@ -100,8 +107,8 @@ def check_writable(path: Path) -> None:
 def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> None:
     """Write a file whole or not at all, by renaming a filled neighbour; raises LinkproofError if it cannot.
 
-    A text is written in UTF-8; a function is called with the path to write to. A neighbour that a killed process left
-    is overwritten by the next write.
+    A text is written in UTF-8; a function is called with the path to write to. Missing folders are made. A neighbour
+    that a killed process left is overwritten by the next write.
     """
     place = _final_path(path)
     temporary = place.with_name(f".{crc32(os.fsencode(place.name)):08x}{place.suffix[:16]}")

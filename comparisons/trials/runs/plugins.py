@@ -43,9 +43,9 @@ class PluginEngine:
         return self.absent
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The engine's ways of stepping that can be studied, as a worker tells them.
+        """The engine's ways of stepping that can be studied, as a worker tells them; () if it has none.
 
-        Raises AdapterError where it cannot.
+        Raises AdapterError where the adapter raises or the worker is lost.
         """
         ((_, told),) = LocalPool(1).run(_methods, [(self.name, scene)], bounds=LONGEST_LOADING)
         if isinstance(told, Lost):
@@ -53,11 +53,14 @@ class PluginEngine:
         return told
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Import the engine in this process, and run it there."""
+        """Import the engine in this process, and run it there; raises what the adapter raises."""
         return registry.engine(self.name).run(scene, setting)
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        """Import the engine in this process, and run it there by a method at a longest ``step``, s."""
+        """Import the engine in this process, and run it there by a method at a longest ``step``, s.
+
+        Raises AssertionError for an engine without methods, and what the adapter raises.
+        """
         adapter = registry.engine(self.name)
         assert isinstance(adapter, StudiedEngine)
         return adapter.run_method(scene, method, step)
@@ -70,7 +73,7 @@ class PluginEngine:
 def _methods(name: str, scene: Scene) -> tuple[Method, ...]:
     """Run in a worker: the methods of a plug-in's engine for a scene, () if it has none to study.
 
-    Raises AdapterError.
+    Raises AdapterError where the adapter raises.
     """
     adapter = registry.engine(name)
     with blamed_on(adapter):
@@ -78,7 +81,10 @@ def _methods(name: str, scene: Scene) -> tuple[Method, ...]:
 
 
 def _facts(name: str) -> tuple[Any, ...]:
-    """Run in a worker: load a plug-in and return the fields of its ``PluginEngine``, in order; raises AdapterError."""
+    """Run in a worker: load a plug-in and return the fields of its ``PluginEngine``, in order.
+
+    Raises AdapterError where it does not load or its adapter raises.
+    """
     adapter = registry.engine(name)
     with blamed_on(adapter):
         if isinstance(adapter, registry.Unusable):
@@ -89,14 +95,17 @@ def _facts(name: str) -> tuple[Any, ...]:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name, or its stand-in; raises UnknownNameError for a name that nobody announces."""
+    """The adapter of that name or, of a plug-in, its stand-in: a ``PluginEngine``, or one whose run raises an error.
+
+    Raises UnknownNameError for a name that nobody announces.
+    """
     return engines((name,))[0]
 
 
 def engines(names: Sequence[str]) -> list[Engine]:
     """The adapters of these names, as from ``engine``, in their order; all plug-ins are asked at the same time.
 
-    In a worker they are loaded there.
+    What a plug-in has told is kept. In a worker they are loaded there. Raises UnknownNameError as ``engine`` does.
     """
     if multiprocessing.current_process().daemon:  # a worker
         return [registry.engine(name) for name in names]
@@ -111,7 +120,10 @@ def engines(names: Sequence[str]) -> list[Engine]:
 
 
 def _known(name: str, told: tuple[Any, ...] | Lost) -> Engine:
-    """The engine with the facts that a worker has told, or a stand-in with the reason why the worker was lost."""
+    """The engine with the facts that a worker has told, or a stand-in with the reason why the worker was lost.
+
+    ``name`` is the plug-in's.
+    """
     if not isinstance(told, Lost):
         return PluginEngine(*told)
     whole = told.outcome in (Failure.ADAPTER_ERROR, Failure.SUITE_ERROR)

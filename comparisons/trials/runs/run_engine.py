@@ -75,9 +75,10 @@ class _Named(Protocol):
 
 @contextlib.contextmanager
 def blamed_on(adapter: _Named) -> Iterator[None]:
-    """In the block, raise an AdapterError for any exception, except MemoryError and an exit.
+    """In the block, raise an AdapterError, with the adapter's name, the exception and its line, for any exception.
 
-    An interruption is the user's in a process that hears Ctrl-C, and the adapter's in a worker.
+    A MemoryError, an exit and an AdapterError pass. An interruption is the user's in a process that hears Ctrl-C, and
+    the adapter's in a worker.
     """
     try:
         yield
@@ -111,7 +112,7 @@ def lost(error: BaseException, memory: int) -> Lost:
 
 
 def suite_error(error: BaseException) -> str:
-    """A sentence on an exception that is a fault of linkproof, since no input should raise it."""
+    """A sentence on an exception that is a fault of linkproof, since no input should raise it; it asks for a report."""
     return (
         f"this is a fault of linkproof: {_error_words(error)} ({_error_location(error, OURS)}); report it with the "
         f"command and the input, and with the traceback that {SHOW_OUTPUT}=1 shows"
@@ -125,9 +126,9 @@ def _error_words(error: BaseException) -> str:
 
 
 def _error_location(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
-    """File and line of the innermost frame inside these packages.
+    """File and line of the innermost frame inside these packages, by name: "FILE, line N".
 
-    Without one ``otherwise``, or the innermost frame at all.
+    Without one ``otherwise`` or, if that is "", the innermost frame at all.
     """
     walk = traceback.walk_tb(error.__traceback__)
     frames = [(frame.f_globals.get("__name__", ""), frame.f_code.co_filename, n) for frame, n in walk]
@@ -156,7 +157,7 @@ ROUNDING = 1e-9  # of the duration
 
 
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
-    """The run of a scene by a setting, or by a method at a longest ``step``, s.
+    """The run of a scene by a setting, or by a method at a longest ``step``, s, which a setting has not.
 
     The samples of a finished run cover the whole motion; they and their squares are finite: a run for which this does
     not hold has diverged. Raises AdapterError for every exception of the adapter but MemoryError, which the process
@@ -167,7 +168,10 @@ def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float
 
 
 def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
-    """The adapter's run of a scene, not yet checked; arguments as for ``run_engine``."""
+    """The adapter's run of a scene, not yet checked; arguments as for ``run_engine``.
+
+    Raises what the adapter raises, and AssertionError for a method without a step or an engine without methods.
+    """
     if isinstance(way, Setting):
         return adapter.run(model, way)
     assert step is not None
@@ -178,8 +182,9 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
 def checked(run: Run, model: Scene, name: str) -> Run:
     """The run, checked against the contract: plain data, and samples of the scene's shapes; its reason on one line.
 
-    One that claims to have finished has diverged if it cannot be read between its samples, is not finite throughout, or
-    does not cover the whole motion. Raises AdapterError for what no simulation can do wrong.
+    A copy comes back. One that claims to have finished has diverged if it cannot be read between its samples, is not
+    finite throughout, or does not cover the whole motion. Raises AdapterError, with the engine's ``name``, for what no
+    simulation can do wrong.
     """
     fault = next(_contract_faults(run, model), None)
     if fault is not None:
@@ -253,7 +258,7 @@ def _history_faults(history: object, model: Scene) -> Iterator[str]:
 def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
     """Yield the first violation of the contract by a signal, as an "expected, got" phrase.
 
-    ``shapes`` are those of a sample.
+    ``shapes`` are those that one sample may have.
     """
     if type(signal) is not Signal or not isinstance(signal.origin, Origin):
         yield f"a Signal, got {_shown_value(signal)}"

@@ -109,7 +109,8 @@ class Runs:
     def add(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve] | None = None) -> None:
         """Add a run in one transaction; it takes the place of another of the same key, at the end.
 
-        Raises ValueError for a number of the row that is not finite.
+        A curve is (4, samples) with the rows ``CURVE``, kept in single precision. Raises ValueError for a number of the
+        row that is not finite, KeyError for an error that lacks a column.
         """
         with _transaction(self.connection):
             self.put(key, row, curves or {})
@@ -117,7 +118,7 @@ class Runs:
     def put(self, key: str, row: Mapping[str, Any], curves: Mapping[str, Curve]) -> None:
         """Add a run, replacing one of the same key, within a transaction that the caller has begun.
 
-        Raises ValueError for a number of the row that is not finite.
+        Arguments and errors are those of ``add``.
         """
         facts = {name: value for name, value in row.items() if name not in ("errors", "invariants")}
         text = json.dumps(facts, ensure_ascii=False, allow_nan=False)
@@ -232,8 +233,8 @@ def save_study(
 ) -> None:
     """Write a study in one transaction, replacing one of its kind and those of the kinds ``instead_of``.
 
-    The runs may come from a generator; they do not stay in memory. Raises LinkproofError where the folder cannot be
-    written.
+    Each run is its key, row and curves, as for ``Runs.add``. They may come from a generator; they do not stay in
+    memory. Raises LinkproofError where the folder cannot be written, or for a value that JSON cannot hold.
     """
     lock = claim(folder)
     begun = _BEGUN.get(folder.resolve())
@@ -250,7 +251,10 @@ def save_study(
 
 
 def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", document: str = "{}") -> Runs:
-    """An empty store of a study of this kind, in place of an earlier one with all its runs."""
+    """An empty store of a study of this kind, in place of an earlier one with all its runs.
+
+    ``document`` is JSON text; the command is "".
+    """
     connection.execute("DELETE FROM studies WHERE kind = ?", (kind,))
     words = (kind, request, "", document)
     made = connection.execute("INSERT INTO studies (kind, request, command, document) VALUES (?, ?, ?, ?)", words)
@@ -259,7 +263,10 @@ def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", 
 
 
 def to_json(document: Mapping[str, Any]) -> str:
-    """JSON text with records written out; raises ValueError for NaN and infinity, TypeError for other objects."""
+    """JSON text, indented and with a line end, of a document; data classes in it are written out as mappings.
+
+    Raises ValueError for NaN and infinity, TypeError for other objects.
+    """
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False, default=_json_value) + "\n"
 
 
@@ -272,14 +279,20 @@ def _json_value(value: object) -> object:
 
 
 def has_study(folder: Path, kind: str) -> bool:
-    """Whether a folder has a finished study of this kind; raises LinkproofError for one of an older version."""
+    """Whether a folder has a finished study of this kind, or one that an older version left in a folder of that name.
+
+    Raises LinkproofError for a file that cannot be used.
+    """
     return (folder / kind / BEFORE).is_file() or _first_row(
         folder, "SELECT 1 FROM studies WHERE kind = ?", kind
     ) is not None
 
 
 def unfinished_command(folder: Path) -> str:
-    """The command that repeats a folder's unfinished study; "" if there is none."""
+    """The command that repeats a folder's unfinished study; "" if there is none.
+
+    Raises LinkproofError for a file that cannot be used.
+    """
     found: str = _first_row(folder, "SELECT command FROM studies WHERE kind = ?", UNFINISHED) or ""
     return found
 
@@ -289,7 +302,8 @@ def load_study(
 ) -> tuple[dict[str, Any], tuple[R, ...]]:
     """The document of a study, which has the ``form``, and its runs, of which ``read`` makes each.
 
-    Raises LinkproofError where the study is missing, damaged, or of another version.
+    ``read(row, curves)`` is called with a run as ``Runs.read`` has it. Raises LinkproofError where the study is
+    missing, damaged, or of another version.
     """
     found = _first_row(folder, "SELECT id, document FROM studies WHERE kind = ?", kind, whole=True)
     if found is None:
@@ -306,7 +320,8 @@ def load_study(
 def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> Any:  # noqa: ANN401 - what is asked for
     """The first row of a query about a kind of study, or its first value unless ``whole``; None without such a study.
 
-    Raises LinkproofError for a file that cannot be used or is an older version's.
+    ``query`` is SQL with one ?, for the kind. Raises LinkproofError for a file that cannot be used or is an older
+    version's.
     """
     check_folder(folder)
     if kind and (folder / kind / BEFORE).is_file():
@@ -325,7 +340,8 @@ def _first_row(folder: Path, query: str, kind: str, *, whole: bool = False) -> A
 def store_errors(folder: Path, kind: str = "") -> Iterator[None]:
     """In the block, raise a LinkproofError for an error of reading or writing the folder's file.
 
-    ``kind`` is for the cure.
+    That is any of SQLite's, OSError, ValueError, KeyError, TypeError and RecursionError. ``kind`` names the command
+    that cures it.
     """
     import sqlite3  # noqa: PLC0415
 
@@ -345,7 +361,7 @@ def fault_words(error: Exception) -> str:
 
 
 def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
-    """A connection to the folder's file, for reading alone unless ``to_write``, which makes a missing one.
+    """A connection to the folder's file, for reading alone unless ``to_write``, which makes a missing or empty one.
 
     What a killed process left half-written is rolled back, which needs a folder that can be written. Raises
     LinkproofError for a missing file, or one that is not linkproof's.
@@ -398,7 +414,7 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") -> None:
     """Raise LinkproofError for a file that is damaged, or has a value of another type than its column's.
 
-    ``kind`` is for the cure.
+    So too for a curve with rows of different lengths. ``kind`` names the command that cures it.
     """
     with store_errors(folder, kind):
         (verdict,) = connection.execute("PRAGMA quick_check(1)").fetchone()

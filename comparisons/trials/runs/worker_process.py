@@ -50,10 +50,11 @@ def start_method() -> str:
 
 
 def start_server(modules: Sequence[str]) -> None:
-    """Start the server that forks workers, if it does not run yet, and have it import these modules.
+    """Start the server that forks workers, if it does not run yet, and have it import these modules, given by name.
 
-    Returns at once: if it is called early, the server imports while the caller does. It imports from the same folders
-    as this process, not from the working folder, and its workers print nothing unless it is requested.
+    Does nothing where workers are spawned. Returns at once: if it is called early, the server imports while the caller
+    does. It imports from the same folders as this process, not from the working folder, and its workers print nothing
+    unless ``SHOW_OUTPUT`` is in the environment.
     """
     if start_method() != "forkserver":
         return
@@ -175,7 +176,7 @@ class Worker:
     job: tuple[int, bytes, bytes, RunBounds]  # index, function and arguments, pickled, and bounds
 
     def __init__(self, module: str) -> None:
-        """Start the process; ``module`` is imported for its jobs. Raises LinkproofError if it cannot start."""
+        """Start the process; ``module``, a name, is imported for its jobs. Raises LinkproofError if it cannot start."""
         self.used = self.has_died = False
         try:
             start_server([module])
@@ -201,7 +202,10 @@ class Worker:
         )
 
     def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
-        """The result of its job, or a Lost one that says how it was lost; notes whether the process has died."""
+        """The result of its job, or a Lost one that says how it was lost; notes whether the process has died.
+
+        Raises LinkproofError where the process ended before it began any job.
+        """
         error = future.exception() if future.done() else BrokenExecutor()
         if isinstance(error, TimeoutError):
             return Lost(Failure.TIMED_OUT, f"took longer than {self.job[-1].seconds:g} s")
@@ -224,7 +228,7 @@ class Worker:
         return Lost(Failure.CRASHED, reason)
 
     def stop(self) -> None:
-        """Kill the process, and all that it has started, at once."""
+        """Kill the process, and all that it has started, at once; the file of its output is deleted."""
         self.pool.stop()  # type: ignore[no-untyped-call]
         self.process.terminate()
         self.pool.join()
@@ -242,7 +246,7 @@ def _start_error(what: str) -> LinkproofError:
 def _prepare(output: str) -> None:
     """Make this process a worker, which has a group of its own, writes no core dumps and ends with its parent.
 
-    The file of its output is there once the worker is.
+    The file of its output, at ``output``, is there once the worker is.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # SIGINT is ignored already
     if not os.environ.get(SHOW_OUTPUT):
@@ -273,7 +277,11 @@ def _end_with(sentinel: int) -> None:
 
 
 def _run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
-    """The pickled result of a pickled job, which is ``Lost`` if the job raises anything; its output goes to a file."""
+    """The pickled result of a pickled job, which is ``Lost`` if the job raises anything.
+
+    ``function`` is a pickle, too, ``job`` one of its arguments. What is printed goes to the file ``output``, emptied
+    first; at most ``memory`` bytes are added.
+    """
     try:
         os.truncate(output, 0)  # what earlier jobs have printed
         with _output_to(output), _memory_bounded(memory):

@@ -87,7 +87,7 @@ class LocalPool:
     ) -> Generator[tuple[int, R | Lost], None, None]:
         """Yield index and result of ``function(*job)`` for every job, as a ``Pool`` does.
 
-        Raises LinkproofError where none can start.
+        ``begun`` is called again for a job that is tried once more. Raises LinkproofError where none can start.
         """
         count = most_processes() if self.processes is None else self.processes
         if not count:
@@ -113,7 +113,7 @@ class LocalPool:
             raise
 
     def _worker(self, module: str) -> Worker:
-        """A free worker, or a new one, for jobs of a module; raises LinkproofError where none can start."""
+        """A free worker, or a new one, for jobs of a module, named; raises LinkproofError where none can start."""
         while self._free and not self._free[-1].is_usable():  # it has ended meanwhile
             self._free.pop().stop()
         from comparisons.trials.runs.worker_process import Worker  # noqa: PLC0415  lacks modules in a browser
@@ -121,7 +121,7 @@ class LocalPool:
         return self._free.pop() if self._free else Worker(module)
 
     def _begin(self, worker: Worker, job: tuple[int, bytes, bytes, RunBounds], begun: Begun) -> None:
-        """Call ``begun`` with a job's index, and give the job to a worker."""
+        """Call ``begun`` with a job's index, and give the job, as ``Worker.job`` has it, to a worker."""
         begun(job[0])
         self._busy[worker.begin(job)] = worker
 
@@ -160,7 +160,10 @@ class LocalPool:
 def _results_here(
     function: Callable[..., R], jobs: Iterable[tuple[Any, ...]], bounds: RunBounds, begun: Begun
 ) -> Iterator[tuple[int, R | Lost]]:
-    """Run the jobs in this process, one after the other, and yield their indices and results; bounds do not hold."""
+    """Run the jobs in this process, one after the other, and yield their indices and results; bounds do not hold.
+
+    A job that raises has a Lost result, an interruption ends all.
+    """
     for number, job in enumerate(jobs):
         begun(number)
         result: R | Lost
@@ -199,9 +202,9 @@ class Task:
 class TaskList(Generic[R]):
     """Tasks of one kind; what is among the ``finished`` runs is not made again, and no result stays in memory.
 
-    ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
-    job, or None if the task counts as never begun. ``encode`` and ``decode`` are for the store. The ``pool`` says
-    where they are made.
+    ``function``, a module's own, is called with a task's job and makes its result; ``lost(loss, *job)`` does so from a
+    Lost one, or gives None if the task counts as never begun. ``encode`` makes a row and curves of a result for the
+    store, ``decode`` a result of these. The ``pool`` says where they are made.
     """
 
     function: Callable[..., R]
@@ -219,7 +222,7 @@ class TaskList(Generic[R]):
         self._runs = temporary_runs() if self.finished is None else self.finished
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
-        """Add tasks to those known; returns, each once, those without a result."""
+        """Add tasks to those known; returns, each once, those without a result, in their order."""
         by_key = {task.key: task for task in tasks}
         self._finished += sum(key in self._runs for key in by_key.keys() - self._known)
         self._known |= by_key.keys()
@@ -264,5 +267,5 @@ class TaskList(Generic[R]):
         return key in self._runs
 
     def _announce(self, task: Task) -> None:
-        """Report a task's label with the numbers of finished and of known tasks."""
+        """Report a task's label with the numbers of finished and of known tasks to ``announce``."""
         self.announce(task.label, self._finished, len(self._known))
