@@ -56,9 +56,11 @@ def is_exact(mechanism: Mechanism) -> bool:
 def signal_values(
     mechanism: Mechanism, parameters: Mapping[str, float], signals: Sequence[str], angle: Array, *, speed: float
 ) -> Array:
-    """Signals of one design (signals, angles), SI; arguments as for ``signal_gradients``.
+    """Signals of one design (signals, angles), SI, at crank angles (angles,), rad.
 
-    Raises AssemblyError where the design cannot be assembled.
+    ``parameters`` are numbers, SI, by the names of ``analytic.description.changes``, or the driver's ``speed``, turned
+    as ``speed``, rad/s, signed. S counts from its largest value at these angles. Raises AssemblyError where the design
+    cannot be assembled.
     """
     design = _Design(mechanism, parameters, speed)
     if is_exact(mechanism):
@@ -82,12 +84,12 @@ def signal_gradients(
 ) -> tuple[Array, Array]:
     """Signals (signals, angles) and their derivatives (signals, parameters, angles), SI, at crank angles (angles,).
 
-    ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, or the driver's
-    ``speed``, turned as ``speed``, with the SI values at which to differentiate; a signal may be a magnitude, as in a
-    ``Figure``, but not S, which counts from the design's own top. The crank turns at a constant ``speed``, rad/s,
-    signed. The angles may be those ``at_tops`` of the signals, which move with corners of loads. Raises
-    UnknownNameError, LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be
-    assembled.
+    The angles are in rad. ``parameters`` are numbers of the description by the names of
+    ``analytic.description.changes``, or the driver's ``speed``, turned as ``speed``, with the SI values at which to
+    differentiate; a signal may be a magnitude, as in a ``Figure``, but not S, which counts from the design's own top.
+    The crank turns at a constant ``speed``, rad/s, signed. The angles may be those ``at_tops`` of the signals, which
+    move with corners of loads. Raises UnknownNameError for an unknown parameter, LinkproofError for numbers that no
+    design can have, and AssemblyError where the design cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check_parameters(mechanism, parameters)
@@ -117,7 +119,8 @@ def figure_gradients(
 
     ``angle``, ``speed`` and ``period`` are as for ``analytic.designs.results.design_figures``, extremes are refined,
     and ``parameters`` are as for ``signal_gradients``. The derivative is nan where equal tops have different
-    derivatives.
+    derivatives. Raises UnknownNameError for an unknown parameter, LinkproofError for numbers that no design can have,
+    and AssemblyError where the design cannot be assembled at one of the angles.
     """
     _check_parameters(mechanism, parameters)
     request = FigureRequest(mechanism, tuple(figures), angle, speed, period, refine=True)
@@ -144,7 +147,10 @@ def figure_gradients(
 
 
 def _figure_differences(request: FigureRequest, parameters: Mapping[str, float]) -> tuple[Array, Array]:
-    """Figures and their derivatives by central differences, where the closed form has no exact ones."""
+    """Figures (figures,) and their derivatives (figures, parameters), SI, by central differences.
+
+    Parameters are by name, SI.
+    """
 
     # Differences about a mass of zero need a mass just below zero, so nothing is checked here.
     def figures_of(numbers: Mapping[str, float]) -> Array:
@@ -156,13 +162,20 @@ def _figure_differences(request: FigureRequest, parameters: Mapping[str, float])
 
 @once_per_mechanism
 def _zeros_of_s(_: Mechanism) -> dict[object, Curve]:
-    """The cache of a mechanism, {} at first: where S counts from, by the design's numbers."""
+    """The cache of a mechanism, {} at first: where S counts from, by the design's numbers.
+
+    A key has pairs of name and value, SI.
+    """
     return {}
 
 
 @dataclass(frozen=True)
 class _Design:
-    """One design: its signals and their derivatives by the parameters."""
+    """One design: its signals and their derivatives by the parameters.
+
+    A ``Curve`` is a signal's values (...) and their derivatives (parameters, ...). ``parameters`` are SI, by name; the
+    driver's ``speed``, rad/s, is signed.
+    """
 
     mechanism: Mechanism
     parameters: Mapping[str, float]
@@ -178,7 +191,7 @@ class _Design:
         return listed.values({**self.parameters, **zero}, places, speed_of(self.parameters, self.speed))
 
     def curves(self, signals: Sequence[str], places: Array, zero_of_s: Curve = STILL) -> list[Curve]:
-        """Signals at crank angles, rad, of any shape, with their derivatives (parameters, ...).
+        """Signals at crank angles, rad, of any shape, with their derivatives (parameters, ...), in order.
 
         S counts from the coordinate ``zero_of_s``, m.
         """
@@ -221,10 +234,10 @@ class _Design:
     def _moved(
         self, listed: LinkageTrace, signals: Sequence[str], places: Array, ways: Sequence[dict[int, Any]], zero: Curve
     ) -> list[Curve]:
-        """Signals at ``places``, each with its change in each of the ``ways``.
+        """Signals at ``places``, rad, each with its change in each of the ``ways``.
 
         A way maps an input's line to its change; ``listed`` is the list that has the signals. S counts from ``zero``,
-        with its own changes.
+        m, with its own changes.
         """
         moving = {line for way in ways for line in way}
         rows = listed.trace.differentiated(listed.signals, self._input_values(listed, places), moving)
@@ -253,9 +266,9 @@ class _Design:
         return [self._signal_of_line(name, row, places, zero_of_s) for name, row in zip(signals, rows, strict=True)]
 
     def _signal_of_line(self, name: str, value: Any, places: Array, zero_of_s: float) -> Array:  # noqa: ANN401 - of a list
-        """A signal at crank angles from its line's ``value``: S, from ``zero_of_s``, a link's angle unwrapped.
+        """A signal at crank angles from its line's ``value``: S, from ``zero_of_s``, m, a link's angle unwrapped.
 
-        All others are the value itself.
+        All others are the value itself, in the shape of ``places``.
         """
         full = np.broadcast_to(value, places.shape)
         if name == "S":
@@ -264,7 +277,10 @@ class _Design:
 
     @cached_property
     def followed(self) -> Mechanism:
-        """The design as a mechanism of its own, its assembly modes followed from this mechanism's."""
+        """The design as a mechanism of its own, its assembly modes followed from this mechanism's.
+
+        Raises AssemblyError where that fails.
+        """
         return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, self.parameters))
 
     @property
@@ -275,7 +291,10 @@ class _Design:
 
     @property
     def _zero_of_s(self) -> Curve:
-        """The output's top coordinate, m, from which loads over S count, and its derivatives."""
+        """The output's top coordinate, m, from which loads over S count, and its derivatives.
+
+        It is kept with the mechanism; beyond MOST_ZEROS designs, all that is kept is dropped.
+        """
         known, key = _zeros_of_s(self.mechanism), tuple(self.parameters.items())
         if key not in known:
             if len(known) >= MOST_ZEROS:
@@ -284,13 +303,14 @@ class _Design:
         return known[key]
 
     def farthest(self, grid: Array) -> Curve:
-        """The output's highest coordinate, m, with its derivatives, at and between the places of a grid."""
+        """The output's highest coordinate, m, with its derivatives, at and between the places, rad, of a grid."""
         return self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), grid, STILL)[0]
 
     def extremes(self, extremes: Sequence[SignalExtreme], grid: Array, zero_of_s: Curve) -> list[Curve]:
         """The value of each extreme, refined between a grid's places, with its derivatives (parameters,), in order.
 
-        S counts from ``zero_of_s``.
+        The places are in rad; S counts from ``zero_of_s``. Raises AssemblyError where the design has no motion at one
+        of them.
         """
         if not extremes:
             return []
@@ -318,7 +338,10 @@ class _Design:
         near = {name: values for name, values in known.items() if is_angle(name)}
 
         def integrands(_: object, phi: Array) -> Array:
-            """Integrands of means and of their derivatives; and, for spikes, reciprocals of the determinants."""
+            """Integrands of means and their derivatives at φ, rad, (k, *phi.shape); then reciprocals of determinants.
+
+            With these, spikes beside dead positions are closed in on.
+            """
             rows: list[Array] = []
             for quantity, (values, slopes) in zip(figures, self.curves(signals, phi, zero_of_s), strict=True):
                 turned = unwrapped_near(values, phi, grid, near.get(quantity.signal))
@@ -340,14 +363,14 @@ class _Design:
     def _find_tops(
         self, extremes: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float
     ) -> tuple[Integers, Array]:
-        """The tops of all extremes' heights, as number of the extreme and angle, rad.
+        """The tops of all extremes' heights, as number of the extreme (n,) and angle, rad, (n,).
 
         ``sampled`` (extremes, n) are heights on the ``grid``, and S counts from ``top``, m.
         """
         sampled_tops = tops(sampled)
 
         def slope(angle: Array) -> Array:
-            """Slope of each top's own height over φ."""
+            """Slope over φ of each top's own height, at one angle, rad, for each top (n,)."""
             rises = np.empty(angle.shape)
             curves = self.over_phi([extreme.signal for extreme in extremes], angle, top)
             for number, (extreme, (values, slopes)) in enumerate(zip(extremes, curves, strict=True)):
@@ -364,8 +387,9 @@ def differences(
 ) -> tuple[Array, Array, Array]:
     """Values of a function of named numbers, derivatives (values, numbers, ...), and estimated errors of these.
 
-    Central differences over a step, a half and a quarter of it, extrapolated; the error is the difference of the last
-    two extrapolations.
+    ``function`` takes all numbers by name and returns an array (values, ...); ``point`` has the numbers, ``steps`` the
+    first step of each. Central differences over a step, a half and a quarter of it, extrapolated; the error is the
+    difference of the last two extrapolations.
     """
     slopes, errors = [], []
     for name, value in point.items():
@@ -380,7 +404,7 @@ def differences(
 
 
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
-    """The step of differences for each number: a share of it or, for zero, of the drawing's size or of one."""
+    """Step of differences for each number, SI, by name: a share of it or, for zero, of the drawing's size or of 1."""
     every = {**design_numbers(mechanism.linkage), SPEED: (SPEED, parameters.get(SPEED, 0.0))}
     chosen = {name: every[name] for name in parameters}
     sizes = {"length": mechanism.linkage.extent()}
@@ -390,9 +414,10 @@ def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, f
 def _highest_top(
     extreme: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float
 ) -> tuple[Array, Array]:
-    """Value and derivatives of the highest top, of equal ones the first; nan where derivatives of equal ones differ.
+    """Value and derivatives (k,) of the highest top, of equal ones the first; nan where equal ones' derivatives differ.
 
-    ``places`` are the tops' angles, rad, ``largest`` the signal's largest magnitude, against which tops count as equal.
+    ``values`` (n,) and ``slopes`` (k, n) are the signal and its derivatives at the tops, ``places`` their angles, rad;
+    ``largest`` is the signal's largest magnitude, against which tops count as equal.
     """
     heights, rises = extreme.height(values), extreme.side(values) * slopes
     highest = np.max(heights)
@@ -411,5 +436,5 @@ def _check_moves(sweep: Sweep) -> None:
 
 
 def _check_parameters(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
-    """Raise UnknownNameError or LinkproofError for numbers that no design can have."""
+    """Raise UnknownNameError for an unknown name, LinkproofError for numbers, SI, that no design can have."""
     checked_parameters(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)

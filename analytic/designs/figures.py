@@ -57,7 +57,7 @@ class SignalExtreme(NamedTuple):
     way: int
 
     def side(self, values: Array) -> Array:
-        """The sign, 1 or -1, of each value: that of the extreme, or of a magnitude that of the value."""
+        """The sign, 1.0 or -1.0, of each value: that of the extreme, or of a largest magnitude that of the value."""
         if self.way:
             return np.full(values.shape, float(self.way))
         return np.where(values < 0.0, -1.0, 1.0)
@@ -152,8 +152,9 @@ NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon", THREAD_FEED)
 def figures_named(mechanism: Mechanism, name: str, *, in_time: bool = False) -> dict[str, Figure]:
     """The figures by name that a typed name stands for: one, or one for each member of a family.
 
-    ``in_time`` allows figures of a motion, at a time. Raises LinkproofError for an unknown signal or reduction, and for
-    a wrong angle or time.
+    ``name`` is as "Mkr.peak", "stroke", or "S@30" at a crank angle; the peak of a transmission angle is its least.
+    ``in_time`` allows figures of a motion, at a time, as "Mkr@0.03s". Raises LinkproofError for an unknown signal or
+    reduction, for a signal that the linkage lacks, and for a wrong angle or time.
     """
     name = symbol(name)
     listed = _signals(mechanism, () if in_time else NOT_OF_A_DESIGN)
@@ -190,7 +191,7 @@ def figure_names(mechanism: Mechanism) -> list[str]:
 
 
 def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -> dict[str, str]:
-    """Names of signals, but those ``without``, by the name a user types: for a vector's magnitude its own name."""
+    """Names of signals, but those ``without``, by the name a user types: a vector's own for its magnitude."""
     names = [name for name in names_with_magnitudes(mechanism) if name not in without]
     return {name.removesuffix(MAGNITUDE): name for name in names}
 
@@ -203,9 +204,10 @@ def _known_figures(known: Mapping[str, str]) -> list[str]:
 
 
 def _signals_of_family(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
-    """Names of the signals that a typed name means: itself, or all forces or groups of a family.
+    """The names, as typed, of the signals that a typed ``signal`` means: itself, or all forces or groups of a family.
 
-    Raises LinkproofError for an unknown signal, and for one that the linkage lacks.
+    ``known`` has the signals' names by the typed ones; ``name`` is the whole figure's, for messages. Raises
+    LinkproofError for an unknown signal, and for one that the linkage lacks.
     """
     ending = MAGNITUDE if signal == "joint_force" else ""
     members = [key for key, words in known.items() if words == f"{key}{ending}" and key.startswith(f"{signal}:")]
@@ -222,7 +224,7 @@ def _signals_of_family(mechanism: Mechanism, known: Mapping[str, str], signal: s
 
 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
-    """The LinkproofError for an unknown figure, with the nearest names."""
+    """The LinkproofError for an unknown figure, with the nearest names among figures of the ``known`` signals."""
     examples, (word, _, how) = _known_figures(known), name.partition("@")[0].partition(".")
     how, word = word.partition("_")[::2] if word.partition("_")[0] in REDUCTIONS else (how, word)  # peak_torque
     usual = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
@@ -240,7 +242,8 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
 def _instant(linkage: Linkage, name: str, text: str, *, in_time: bool) -> tuple[float, float]:
     """The place, rad or m, and the time, s, that the text behind "@" gives; the one not given is nan.
 
-    A place without unit is in degrees or the file's unit of length. Raises LinkproofError for a wrong text.
+    A place without unit is in degrees or the file's unit of length; ``name`` is the figure's, for the message. Raises
+    LinkproofError for a wrong text, or for a time unless ``in_time``.
     """
     read = INSTANT.fullmatch(text)
     measure = read["unit"] if read else None

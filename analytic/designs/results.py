@@ -39,7 +39,10 @@ LAST: Final = ("{value}", np.nan)
 
 
 def can_reduce(request: FigureRequest) -> bool:
-    """Whether the figures are extremes and means of samples, which need no curve."""
+    """Whether the figures are extremes and means of samples, which need no curve.
+
+    They are not with ``refine``, at an angle, of a link's angle, or of a mean that samples may not give.
+    """
     linkage = request.mechanism.linkage
     return not request.refine and not any(
         figure.reduction is Reduction.AT
@@ -50,10 +53,13 @@ def can_reduce(request: FigureRequest) -> bool:
 
 
 class _DesignSums:
-    """Sums and extremes of every design: results of the straight function by name."""
+    """Sums and extremes of every design: ``results`` of the straight function, and their ``places`` in it by name."""
 
     def __init__(self, listed: LinkageTrace, request: FigureRequest) -> None:
-        """List the sums and extremes over the angles from which the requested figures follow."""
+        """List the sums and extremes over the angles from which the requested figures follow.
+
+        ``listed`` is the list of operations of the request's signals.
+        """
         self.listed = listed
         self.results: list[Result] = []
         self.places: dict[str, int] = {}
@@ -73,24 +79,30 @@ class _DesignSums:
     def _add(self, name: str, line: int, reduction: tuple[str, float]) -> None:
         """Request a reduction of a line of the list under this name, unless the name is known.
 
-        ``reduction`` is its formula and its first value.
+        ``reduction`` is its formula, in {value}, {so_far} and {next}, and its first value.
         """
         if name not in self.places:
             self.places[name] = len(self.results)
             self.results.append(Result(line, *reduction))
 
     def _add_mean(self, name: str, value: Any) -> None:  # noqa: ANN401 - a traced number
-        """Add the sums from which a signal's mean and mean square follow, over all and over every second sample."""
+        """Request the sums from which a signal's mean and mean square follow, over all and over every second sample.
+
+        ``name`` is the signal's.
+        """
         trace = self.listed.trace
         for power, number in (("mean", value), ("square", value * value)):
             for share in (SHARE, HALF_SHARE):
                 self._add(f"{name} {power} {share}", trace.line(number * trace.input(share)), SUM)
 
     def figure(self, quantity: Figure, values: Array) -> tuple[Array, Booleans]:
-        """A figure of every design from results (results, n), and which of its means are doubtful."""
+        """A figure of every design (n,) from results (results, n), and which of its means are doubtful (n,).
+
+        Doubtful are those that every second sample gives otherwise.
+        """
 
         def result_of(name: str) -> Array:
-            """The results (n,) requested under this name."""
+            """The results (n,) requested under this name; raises KeyError for another."""
             return np.asarray(values[self.places[name]])
 
         name = sampled_source(quantity.signal)
@@ -109,10 +121,12 @@ class _DesignSums:
 def reduced_figures(
     request: FigureRequest, arrays: Mapping[str, Array], listed: LinkageTrace
 ) -> tuple[Array, Booleans]:
-    """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which designs are doubtful.
+    """The figures, (figures, designs), of designs that differ in ``arrays``, and which designs are doubtful (designs,).
 
-    A design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two
-    crank angles. Figures of a design that cannot move at one of the crank angles are nan.
+    ``arrays`` are numbers (designs,), SI, by name, ``listed`` is the list of operations of the request's signals. A
+    design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two crank
+    angles. Figures of a design that cannot move at one of the crank angles are nan. They are computed in threads on all
+    cores.
     """
     gathered = _DesignSums(listed, request)
     given, of_rows = listed.split_inputs([result.line for result in gathered.results])
@@ -179,8 +193,9 @@ def design_figures(
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
     nan, and so are those of one that passes a change point where the linkage as described passes none. ``path`` is
-    as for ``analytic.machine_code.is_worthwhile``. Raises UnknownNameError and LinkproofError as
-    ``evaluate_designs`` does.
+    "numpy", "compiled" or "auto", which compiles where that saves time. Raises UnknownNameError for an unknown
+    parameter or path, LinkproofError for parameters of other lengths or impossible values, and where numba is missing
+    for "compiled".
     """
     if not parameters:  # of the file's own numbers one stands for all
         name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
@@ -199,5 +214,8 @@ def design_figures(
 
 
 def usual_path(figures: Sequence[Figure], size: int) -> str:
-    """The path, "numpy" or "compiled", that "auto" chooses for ``size`` designs times crank angles."""
+    """The path, "numpy" or "compiled", that "auto" chooses for a linkage of usual size.
+
+    ``size`` is the number of designs times that of crank angles.
+    """
     return "compiled" if is_worthwhile("auto", USUAL_LIST + OF_FIGURE * len(figures), size) else "numpy"

@@ -42,8 +42,9 @@ TOGETHER: Final = 64  # designs whose means are integrated in one go
 class FigureRequest:
     """Figures of every design at ``crank_angles`` (angles,), ascending, of a driver that moves at a steady ``speed``.
 
-    Extremes are true ones with ``refine``; over a ``period``, rad, curves close, else their ends count. Means are
-    integrals from the first place to the end of the period, or to the last place.
+    The angles are in rad, the speed in rad/s, signed. Extremes are true ones with ``refine``; over a ``period``, rad,
+    curves close, else their ends count. Means are integrals from the first place to the end of the period, or to the
+    last place. ``path`` is "numpy", "compiled" or "auto".
     """
 
     mechanism: Mechanism
@@ -69,7 +70,7 @@ class FigureRequest:
         return tuple(dict.fromkeys(sampled_source(figure.signal) for figure in self.figures))
 
     def designs(self, arrays: Mapping[str, Array]) -> Designs:
-        """The designs whose numbers, by name, are the arrays (designs,)."""
+        """The designs whose numbers, SI, by name, are the arrays (designs,)."""
         poses = len(next(iter(arrays.values()))) * len(self.crank_angles)
         return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
@@ -82,9 +83,10 @@ class FigureRequest:
         return self.period is not None and len(self.crank_angles) % 2 == 0 and not has_zero_at_sample
 
     def values_for(self, arrays: Mapping[str, Array]) -> Array:
-        """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
+        """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers, SI, by name.
 
-        They are nan where a design has no motion at one of the crank angles; numbers are not checked.
+        They are nan where a design cannot be assembled or moved at or between the crank angles; numbers are not
+        checked.
         """
         values = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
 
@@ -112,7 +114,12 @@ MarkedExtremes = dict[SignalExtreme, list[_Marked]]
 
 
 class _Chunk:
-    """Designs whose tops are searched together; their samples are discarded block by block."""
+    """Designs whose tops are searched together; their samples are discarded block by block.
+
+    Designs are numbered within the chunk, ``here``, while ``rows`` has their numbers among all. ``faulty`` are those
+    that cannot move, ``doubtful`` those that may pass a dead position between two crank angles; S counts from
+    ``farthest``, m.
+    """
 
     def __init__(self, request: FigureRequest, sampler: Sampler, rows: Integers) -> None:
         """Prepare the designs numbered ``rows``, whose signals the ``sampler`` computes."""
@@ -122,7 +129,10 @@ class _Chunk:
         self.known: dict[SignalExtreme, Array] = {}  # the highest samples
 
     def figures(self, figures: Sequence[Figure]) -> Array:
-        """The figures, (figures, rows), of the chunk's designs; nan where a design cannot be assembled or moved."""
+        """The figures, (figures, rows), of the chunk's designs; nan where a design cannot be assembled or moved.
+
+        That is at or between the crank angles.
+        """
         if self.request.refine and any(figure.signal == "S" for figure in figures):
             self.farthest = self._highest_output()
         result = self._figures_of_samples(figures)
@@ -178,7 +188,7 @@ class _Chunk:
         )
 
     def _mean(self, figure: Figure, values: Array) -> Array:
-        """A mean of samples (designs, angles), nan where they are too few for it."""
+        """A mean (designs,) of samples (designs, angles); nan where they are too few for it."""
         if not self.request.may_sample(figure):
             return np.full(len(values), np.nan)
         whole, half = (figure.of_mean(np.mean(figure.integrand(part), axis=1)) for part in (values, values[:, ::2]))
@@ -202,7 +212,10 @@ class _Chunk:
             near = {name: curve for name, curve in self._curves(here, grid, names)[0].items() if is_angle(name)}
 
             def integrands(design: Integers, phi: Array, here: Integers = here, near: Curves = near) -> Array:
-                """The integrands of all figures at φ of designs, by number among ``here``, as ``averages`` asks."""
+                """The integrands (k, n, m) of all figures at φ (n, m), rad, then the determinants' reciprocals.
+
+                Row i of φ is of design ``design[i]``, by number among ``here``.
+                """
                 curves, determinants = self._curves(here[design], phi, names)
                 for name, values in near.items():
                     curves[name] = unwrapped_near(curves[name], phi, crank_angles, values[design])
@@ -219,10 +232,10 @@ class _Chunk:
                 result[row, here] = figure.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
-        """Signals of the designs ``here`` at crank angles (designs, angles), and which steps between are too coarse.
+        """Signals of the designs ``here``, by name, at crank angles (designs, angles), rad; and coarse steps.
 
-        Marks designs in ``doubtful`` that may pass a dead position between; without ``refine`` sets where S counts
-        from.
+        Steps (designs, angles - 1) are True where a determinant changes too much, and beside these. Marks designs in
+        ``doubtful`` that may pass a dead position between; without ``refine`` sets where S counts from.
         """
         names = list(names)
         if "S" in names and not self.request.refine:
@@ -248,7 +261,7 @@ class _Chunk:
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
     def _enter_corners(self, extremes: MarkedExtremes, here: Integers) -> None:
-        """Enter the corners of loads over φ as tops between the crank angles on either side.
+        """Enter in ``extremes`` the corners of loads over φ as tops between the crank angles on either side.
 
         Angles of links have none.
         """
@@ -265,6 +278,7 @@ class _Chunk:
     def _refine_coarse_steps(self, extremes: MarkedExtremes, here: Integers, phi: Array, coarse: Booleans) -> None:
         """Divide the marked steps of crank angle, up to LEVELS times, sample there and enter the tops in ``extremes``.
 
+        ``phi`` (designs, angles) are crank angles, rad, of the designs ``here``, ``coarse`` marks the steps between.
         Angles of links are left out: only forces grow steeply next to a dead position.
         """
         extremes = {extreme: parts for extreme, parts in extremes.items() if not is_angle(extreme.signal)}
@@ -283,9 +297,10 @@ class _Chunk:
                 self._enter_tops(extremes, sampled, here[some], phi[some])
 
     def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
-        """Signals of the designs ``here`` at crank angles (designs, angles), by name, and the dyads' determinants.
+        """Signals of the designs ``here`` at crank angles (designs, angles), rad, by name, and the dyads' determinants.
 
-        Marks in ``faulty`` designs that cannot move there, unless only the output's coordinate is asked for.
+        These are (dyads, designs, angles). Marks in ``faulty`` designs that cannot move there, unless only the output's
+        coordinate is asked for.
         """
         sources = {name: sampled_source(name) for name in names}
         samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(sources.values())))
@@ -297,7 +312,10 @@ class _Chunk:
         return curves, samples.determinants
 
     def _signal_at(self, name: str, designs: Integers, phi: Array, near: Array) -> Array:
-        """A signal of designs (n,), each at its own crank angles (n, m); links' angles on the branch ``near`` (n,)."""
+        """A signal (n, m) of designs (n,), each at its own crank angles (n, m), rad.
+
+        Links' angles are on the branch of the values ``near`` (n,).
+        """
         values: Array = np.empty(phi.shape)
         size = max(1, BLOCK // phi.shape[1])
         for start in range(0, len(designs), size):
@@ -308,7 +326,10 @@ class _Chunk:
         return values
 
     def _enter_tops(self, extremes: MarkedExtremes, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
-        """Put those sampled tops of the designs ``here`` into ``extremes`` that may exceed the largest so far."""
+        """Put those sampled tops of the designs ``here`` into ``extremes`` that may exceed the largest so far.
+
+        ``sampled`` are signals by name at crank angles ``phi`` (designs, angles), rad; ``known`` keeps the largest.
+        """
         for extreme, parts in extremes.items():
             values = sampled[extreme.signal]
             all_heights = extreme.height(values)
@@ -320,13 +341,16 @@ class _Chunk:
             parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), side))
 
     def _true_extreme(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
-        """The extreme of a signal of every design, refined between the samples, (designs,)."""
+        """The extreme of a signal of every design, refined between the samples, (designs,).
+
+        ``parts`` are the tops entered for it.
+        """
         result = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         sides = np.concatenate([part.sides for part in parts])
         near = extreme.value(np.max(result.heights, axis=1), sides)
 
         def heights(top: Integers, phi: Array) -> Array:
-            """Heights of the extreme's signal at crank angles ``phi``, rad, of the curves on which the tops lie."""
+            """Heights of the extreme's signal at ``phi`` (n, m), rad, on the curves of the tops numbered (n,)."""
             seen = self._signal_at(extreme.signal, result.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 
@@ -350,14 +374,18 @@ def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
 
 
 def mean_cells(grid: Array, mechanism: Mechanism) -> Array:
-    """The ends, rad, of the cells from which means over a grid's whole length are integrated, cut at loads' corners."""
+    """The ends, rad, ascending, of the cells from which means over a grid's whole length are integrated.
+
+    There are CELLS equal ones, cut at loads' corners.
+    """
     return np.union1d(np.linspace(grid[0], grid[-1], CELLS + 1), load_corners(mechanism, grid[0], grid[-1]))
 
 
 def unwrapped_near(values: Array, phi: Array, places: Array, samples: Array | None) -> Array:
     """Values at ``phi`` (..., n), rad, with the whole turns that ``samples`` at ``places`` show.
 
-    Without ``samples``, for signals that are no angles of links, the values are unchanged.
+    ``places``, rad, ascend; samples are of one curve (places,) or of one for each row of ``phi``. Without ``samples``,
+    for signals that are no angles of links, the values are unchanged.
     """
     if samples is None:
         return values

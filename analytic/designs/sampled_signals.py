@@ -65,7 +65,9 @@ class Designs:
     """Designs that differ in ``arrays`` (designs,) of numbers by name, SI, in the assembly modes as described.
 
     The crank has a ``speed``, rad/s, or one among the arrays, turned as it, and an ``acceleration``, rad/s², numbers or
-    (angles,). ``poses`` is the number of all poses to compute, by which the ``path`` "auto" decides whether to compile.
+    (angles,). With ``all_groups`` a design moves only if all its links do, else if those do that the signals need.
+    ``path`` is "numpy", "compiled" or "auto"; ``poses`` is the number of all poses to compute, by which "auto" decides
+    whether to compile.
     """
 
     mechanism: Mechanism
@@ -100,10 +102,11 @@ class Designs:
         )
 
     def in_blocks(self, size: int, work: Callable[[Integers, Sampler], None]) -> None:
-        """Call ``work`` with the rows of up to ``size`` designs and their sampler, block by block, on all cores.
+        """Call ``work(rows, sampler)`` for block after block of up to ``size`` designs, on all cores.
 
-        Without a list of operations a block is one design, and one that cannot be assembled as its sketch shows it is
-        left out.
+        ``rows`` are the numbers of the block's designs, ``sampler`` computes their signals. Several threads call it at
+        a time. Without a list of operations a block is one design, and one that cannot be assembled as its sketch shows
+        it is left out. An error of ``work`` is raised again.
         """
         self.zero_of_s  # noqa: B018 - known before threads ask for it
 
@@ -118,7 +121,10 @@ class Designs:
         in_threads(part, range(0, self.count, size if self.trace else 1))
 
     def _traced_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of the designs ``rows`` at ``phi``, rad, (rows, angles), computed from the list of operations."""
+        """Samples of the designs ``rows`` at ``phi``, rad, (rows, angles), computed from the list of operations.
+
+        ``names`` are some of ``signals``.
+        """
         trace = self.trace
         assert trace is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
@@ -160,7 +166,7 @@ class Designs:
             """Fill in the output's highest coordinate, m, of the designs numbered ``rows``."""
 
             def seen(name: str, phi: Array) -> Array:
-                """The signal of this name (designs, angles) of the block at crank angles, rad."""
+                """The signal of this name (designs, angles) of the block at crank angles (designs, angles), rad."""
                 return sampler(rows, phi, (name,)).signals[name]
 
             heights = seen(OUTPUT_COORDINATE, np.broadcast_to(turn, (len(rows), TURN)))
@@ -172,18 +178,21 @@ class Designs:
         return {ZERO_OF_S: result}
 
     def _unwrapped(self, name: str, values: Array) -> Array:
-        """An angle of a link unwrapped along the crank angles; any other signal as it is."""
+        """An angle of a link unwrapped along the crank angles, the last axis; any other signal as it is."""
         return np.unwrap(values) if is_wrapped(name, self.mechanism.linkage) else values
 
     @property
     def is_compiled(self) -> bool:
-        """Whether machine code computes the list; raises for a wrong path as ``is_worthwhile`` does."""
+        """Whether machine code computes the list.
+
+        Raises UnknownNameError for an unknown path, LinkproofError where numba is missing for "compiled".
+        """
         operations = len(self.trace.trace.lines_needed(self.trace.lines)) if self.trace else 0
         return is_worthwhile(self.path, operations, self.poses) and self.trace is not None
 
     @cached_property
     def _machine_code(self) -> StraightFunction | None:
-        """The list of operations as machine code; None where NumPy computes it."""
+        """The list of operations as machine code, compiled at the first use; None where NumPy computes it."""
         assert self.trace is not None
         trace, lines = self.trace.trace, self.trace.lines
         if not self.is_compiled:
@@ -200,9 +209,9 @@ class Designs:
             return None
 
     def _swept_samples(self, design: Mechanism, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
-        """Samples of one design, posed by its mechanism, at ``phi``, rad, of which all rows are equal.
+        """Samples of one design, posed by its own mechanism ``design``, at ``phi``, rad, (rows, angles).
 
-        ``rows`` gives its number.
+        All of ``rows`` are this design's number.
         """
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults, zero_of_s=design.zero_of_s)
@@ -217,7 +226,7 @@ class Designs:
 
 
 def _signal_or_nan(at: MovingSweep, name: str) -> Array:
-    """A signal of one design; NaN for a thread's feed that has no zero, since this design cannot turn fully."""
+    """A signal of one design; nan for a thread's feed that has no zero, since this design cannot turn fully."""
     try:
         return signal(at, name)
     except UnknownNameError:
@@ -245,9 +254,10 @@ def evaluate_designs(
     ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
     ``angle`` (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle. Where a
     design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``, which is
-    returned besides; that counts for the links that the signals need. ``path`` is as for
-    ``analytic.machine_code.is_worthwhile``. Raises UnknownNameError for an unknown parameter or signal, LinkproofError
-    for wrong values.
+    returned besides; that counts for the links that the signals need. ``path`` is "numpy", "compiled" or "auto", which
+    compiles where that saves time. Raises UnknownNameError for an unknown parameter, signal or path, LinkproofError for
+    wrong values, for signals that need a ``speed`` or an output that is missing, and where numba is missing for
+    "compiled".
     """
     places = np.asarray(angle, dtype=float)
     arrays = checked_parameters(mechanism.linkage, parameters)
@@ -284,7 +294,7 @@ FINEST: Final = 1e-8  # of all crank angles: two assembly modes that are not apa
 def are_steep(determinants: Array) -> Booleans:
     """Which steps between crank angles, (designs, angles - 1), a dead position may lie next to.
 
-    The dyads' ``determinants`` (dyads, designs, angles) are magnitudes.
+    The dyads' ``determinants`` (dyads, designs, angles) are magnitudes; a step beside one that is nan is marked too.
     """
     before, after = determinants[..., :-1], determinants[..., 1:]
     return np.asarray(np.any(~(np.minimum(before, after) >= LEAST_RATIO * np.maximum(before, after)), axis=0))
@@ -310,7 +320,8 @@ def divided_steps(phi: Array, row: Integers, step: Integers, parts: int) -> Arra
 def designs_stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
     """Which designs of some rows (n,) cannot move from one of the crank angles (angles,) to the next.
 
-    Also those that pass a change point, at which two assembly modes meet, unless the linkage as described does.
+    ``rows`` are the designs' numbers; the angles, rad, ascend. Also those that pass a change point, at which two
+    assembly modes meet, unless the linkage as described does.
     """
     result = np.zeros(len(rows), dtype=bool)
     size = max(1, BLOCK // len(angles))
@@ -334,7 +345,10 @@ def designs_stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
 
 
 def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or arrays
-    """The driver's signed speed, rad/s or m/s: the designs' own, with the sign of ``speed``, or ``speed`` itself."""
+    """The driver's signed speed, rad/s or m/s: the designs' own, with the sign of ``speed``, or ``speed`` itself.
+
+    The own one is ``SPEED`` among ``numbers`` by name.
+    """
     return numbers[SPEED] * np.sign(speed) if SPEED in numbers else np.asarray(speed)
 
 
@@ -371,7 +385,7 @@ def checked_parameters(
 def _check_values(name: str, kind: str, values: Array) -> None:
     """Raise LinkproofError for numbers that are not finite, negative masses or inertias, and a speed of zero.
 
-    ``kind`` says which they are; ``name`` is for the message.
+    ``kind`` is that of ``Kind``, or ``SPEED``; ``name`` is for the message.
     """
     wrong = ~np.isfinite(values)
     expected = "finite numbers"
