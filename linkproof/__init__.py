@@ -44,7 +44,10 @@ _MODULES = {
 
 
 def refuse_strangers() -> None:
-    """Raise ImportError if a package of linkproof would be imported from elsewhere: all four have common names."""
+    """Raise ImportError if a package of linkproof would be imported from elsewhere, or is missing.
+
+    All four, analytic, engines, comparisons and reports, have common names.
+    """
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name in ("analytic", "engines", "comparisons", "reports"):
         try:
@@ -59,12 +62,15 @@ def refuse_strangers() -> None:
 
 
 def _scheme(linkage: Linkage) -> Any:  # noqa: ANN401 - a figure of matplotlib
-    """The scheme that ``Linkage.plot`` returns, a figure of matplotlib."""
+    """The scheme that ``Linkage.plot`` returns, a figure of matplotlib; raises LinkproofError if it has a fault."""
     return import_module("reports.api.designer").check(linkage).plot()
 
 
 def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
-    """The value of a public name, unchanged; for ``Linkage`` and ``load`` it also gives Linkage its ``plot``."""
+    """The value of a public name, unchanged.
+
+    Asked for ``Linkage`` or ``load``, it first gives the class Linkage what its ``plot`` draws with.
+    """
     if name in ("Linkage", "load"):
         import_module("analytic.description.linkage").Linkage.drawing = staticmethod(_scheme)
     return value
@@ -73,7 +79,10 @@ def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
 if not TYPE_CHECKING:  # to whom every name would be there
 
     def __getattr__(name: str) -> object:
-        """A public name, imported now; raises AttributeError for another one."""
+        """A public name, imported now; raises AttributeError for another one.
+
+        Raises ImportError as ``refuse_strangers`` does.
+        """
         if name == "__version__":
             return import_module("importlib.metadata").version("linkproof")
         if name == "engine":
@@ -86,5 +95,5 @@ if not TYPE_CHECKING:  # to whom every name would be there
 
 
 def __dir__() -> list[str]:
-    """The names that ``dir`` and completion show: the public ones."""
+    """The names that ``dir`` and completion show: the public ones, as ``__all__`` itself."""
     return __all__

@@ -58,10 +58,11 @@ DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of file
 def chosen_linkages(
     given: LinkageLike | Sequence[LinkageLike], motion: Motion
 ) -> tuple[tuple[Linkage, ...], tuple[LinkageFile, ...]]:
-    """The linkages in the variant and under the gravity of a motion, and their files.
+    """The linkages in the variant and under the gravity of a motion, and their files, in the order given.
 
     By default they are the catalogue's that have the variant. Files of the same name get the names of their folders
-    before their own, as many as are needed to differ. Raises LinkproofError where two names are the same.
+    before their own, as many as are needed to differ. Raises LinkproofError where two names are the same, and for a
+    linkage that cannot be read.
     """
     named = tuple({word_of(each): each for each in words(given) or _with_variant(catalogue(), motion.variant)}.values())
     files = _told_apart(named, [linkage_file(each) for each in named])
@@ -81,9 +82,9 @@ def _with_variant(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
 
 
 def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> tuple[LinkageFile, ...]:
-    """The files in their order, those of one name renamed after their folders; some may stay equal.
+    """The files in their order, those of one name renamed after up to five of their folders; some may stay equal.
 
-    ``named`` are the linkages as they were given.
+    ``named`` are the linkages as they were given; only paths with a suffix have folders.
     """
     names = [file.name for file in files]
     for depth in range(1, DEEPEST_FOLDER + 1):
@@ -100,7 +101,7 @@ def _told_apart(named: Sequence[LinkageLike], files: Sequence[LinkageFile]) -> t
 def requested_engines(names: Sequence[str]) -> tuple[str, ...]:
     """The engines of these names, each once, all that can be used here where none is named.
 
-    Raises LinkproofError for a named engine that cannot be used or is unknown.
+    Raises LinkproofError for a named engine that cannot be used, UnknownNameError for an unknown one.
     """
     known = dict.fromkeys(names) or engine_names()
     absent = {name: why_unavailable(engine) for name, engine in zip(known, adapters(tuple(known)), strict=True)}
@@ -118,7 +119,7 @@ def missing_engines(engines: Sequence[str]) -> str:
 
 
 def requested_settings(names: Sequence[str]) -> tuple[Setting, ...]:
-    """The settings of these names, each once; tuned for no name, all for "all"; raises UnknownNameError."""
+    """The settings of these names, each once; tuned for no name, all for "all"; raises UnknownNameError for others."""
     if EVERYTHING in names:
         return tuple(Setting)
     for name in names:
@@ -136,8 +137,9 @@ def request(
 ) -> CampaignRequest:
     """The runs of a comparison under ``motion``, of engines, settings and quantities by name; raises LinkproofError.
 
-    By default the engines are those installed, the setting is tuned, and all is compared. A linkage's own regimes run
-    in the settings that are named; of all, in tuned alone, since they take many turns.
+    It does so for names that are unknown and for an impossible motion. By default the engines are those installed, the
+    setting is tuned, and all is compared. A linkage's own regimes run in the settings that are named; of all, in tuned
+    alone, since they take many turns.
     """
     motions, conditions, own_regimes = requested_motions(motion, linkages)
     settings = requested_settings(setting)
@@ -174,7 +176,7 @@ def run_bounds(bounds: Asked) -> RunBounds:
 
 
 def processes(bounds: Asked) -> int:
-    """The number of worker processes on this machine: by default one per core, for a single run, too."""
+    """The number of worker processes on this machine: by default one per core, for a single run, too; 0 for none."""
     return most_processes() if bounds.jobs is None else bounds.jobs
 
 
@@ -201,10 +203,11 @@ def kept(
 ) -> Kept:
     """The study, of a ``kind``, of what ``make`` makes for a call of ``function`` from the runs finished already.
 
-    ``given`` are the arguments of the call. Its folder, if it asks for one, keeps every run, and at last the study.
-    Ctrl-C raises KeyboardInterrupt with the number of runs in the folder, and the command that finishes them. Options
-    ``without`` a part in what is run may differ from those of the call that began them; ``engines`` and ``linkages``
-    may not.
+    ``make`` gets the store of finished runs, None without a folder, and the function to announce runs by; ``given`` are
+    the arguments of the call. Its folder, if it asks for one, keeps every run, and at last the study. Ctrl-C raises
+    KeyboardInterrupt with the number of runs in the folder, and the command that finishes them. Options ``without`` a
+    part in what is run may differ from those of the call that began them; ``engines`` and ``linkages`` may not. Raises
+    LinkproofError for a folder that another command has or that cannot be used.
 
     Without an engine in the call, a remark names those that are not installed.
     """
@@ -212,7 +215,7 @@ def kept(
     number = total = 0
 
     def announce(label: str, begun: int, count: int) -> None:
-        """Pass an announcement on and remember its numbers for the message on Ctrl-C."""
+        """Pass an announcement, label, number and number of all, on; its numbers are kept for the message on Ctrl-C."""
         nonlocal number, total
         number, total = begun, count
         given["announce"](label, begun, count)
@@ -240,10 +243,11 @@ def _finished_runs(
     linkages: Iterable[Linkage],
     without: Sequence[str],
 ) -> Runs:
-    """The finished runs in the folder of the same request; those of another one are removed, and that is printed.
+    """The finished runs in the folder of the same request; those of another are removed, which is printed on stderr.
 
     Two requests are the same if the command, the linkage files, and the versions of linkproof, its libraries and the
-    engines are equal, options ``without`` a part in what is run aside.
+    engines are equal, options ``without`` a part in what is run aside. Raises LinkproofError for a folder that another
+    command has.
     """
     facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {each.name}": each.version() or "not installed" for each in adapters(engines)}
@@ -287,7 +291,7 @@ def _with_neighbours(named: Sequence[LinkageFile]) -> Iterator[LinkageFile]:
 
 
 def _regimes(file: LinkageFile) -> list[str]:
-    """Names of the regimes that a linkage file defines; [] if it cannot be read."""
+    """Names of the regimes that a linkage file defines in its own variant; [] if it cannot be read."""
     with suppress(LinkproofError):
         return [regime.name for regime in file.linkage().regimes]
     return []
@@ -299,9 +303,10 @@ def comparison(
     linkages: tuple[Linkage, ...],
     files: Sequence[LinkageFile],
 ) -> Comparison:
-    """Make and judge the runs that a call of ``function`` asks for; runs are kept in its folder.
+    """Make and judge the runs that a call of ``function`` asks for, and return the study; runs are kept in its folder.
 
-    ``given`` are its arguments, ``files`` those of ``linkages``. Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments by name, ``files`` those of ``linkages``. Raises LinkproofError for bad input before any
+    run.
     """
     motion, bounds, command = given["motion"], run_bounds(given["bounds"]), command_line(function, given)
     asked = request(linkages, motion, given["engine"], given["setting"], given["quantity"])
@@ -310,7 +315,10 @@ def comparison(
     every_variant = motion.variant is None and motion.gravity  # figures are those of all
 
     def make(finished: Runs | None, announce: Announce) -> CampaignResults:
-        """The runs with their verdicts, and what has changed since the results before; makes those not ``finished``."""
+        """The runs with their verdicts, and what has changed since the results before; makes those not ``finished``.
+
+        ``announce`` gets each as it begins.
+        """
         with closing(worker_pool(given["bounds"])) as pool:
             runs = run_campaign(asked, announce, bounds=bounds, pool=pool, finished=finished, todo=todo, limits=limits)
         figures, changes = closed_form(asked, every_variant=every_variant), tuple[Change, ...]()
@@ -331,7 +339,8 @@ def comparison(
 def script(asked: CampaignRequest, file: Path, command: str) -> Script:
     """Write a request's one run, in one engine and setting, to a file as a script; an empty comparison that says so.
 
-    Raises LinkproofError for several runs, and for a run that cannot be exported.
+    ``command`` is named in it. Raises LinkproofError for several runs, for a run that cannot be exported, and for a
+    file that cannot be written.
     """
     check_file("--script", file)
     cases = list(each_case(asked))
@@ -351,16 +360,17 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
 def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: Sequence[Linkage]) -> Benchmark:
-    """Make the measurements that a call of ``function`` asks for; its folder, if it names one, keeps the runs.
+    """Make the measurements that a call of ``function`` asks for, and return the study.
 
-    ``given`` are its arguments. Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments by name; its folder, if it names one, keeps the runs. Raises LinkproofError for bad
+    input before any run.
     """
     runs = request(linkages, usual_motion(given["motion"], quick=given["quick"]), given["engine"])
     cases, extent = tuple(each_case(runs)), QUICK if given["quick"] else FULL
     quantities = measured_quantities(cases, given["quantity"])
 
     def make(finished: Runs | None, announce: Announce) -> Bench:
-        """The measurements, those not ``finished`` made one run at a time."""
+        """The measurements, those not ``finished`` made one run at a time; ``announce`` gets each as it begins."""
         with closing(LocalPool(1, lasts=True)) as pool:
             command = command_line(function, given)
             asked = BenchRequest(cases, runs.engines, quantities, extent=extent, pool=pool, command=command)
@@ -385,7 +395,7 @@ def usual_motion(motion: Motion, *, quick: bool) -> Motion:
 def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[str, ...]:
     """The quantities to measure, the usual ones if none is named, each once; raises LinkproofError.
 
-    It does so for an unknown one and for a case that has none of them.
+    It does so for a case that has none of them, UnknownNameError for an unknown one.
     """
     quantities = tuple(dict.fromkeys(map(symbol, named))) or USUAL_QUANTITIES
     for name in quantities:
@@ -406,10 +416,10 @@ def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[st
 
 
 def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> StabilityMaps:
-    """Make the maps, or the single cells, that the call of a ``function`` asks for.
+    """Make the maps, or the single cells, that the call of a ``function`` asks for, and return the study.
 
-    ``given`` are its arguments; its folder, if it names one, keeps the runs of maps. Raises LinkproofError for bad
-    input before any run.
+    ``given`` are its arguments by name; its folder, if it names one, keeps the runs of maps. Raises LinkproofError for
+    bad input before any run.
     """
     if given["jobs"] is not None and given["jobs"] < 1:
         raise LinkproofError(
@@ -432,7 +442,7 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> St
     chosen = cells(axes, engines, given["setting"], quick=quick)
 
     def make(finished: Runs | None, announce: Announce) -> Stress:
-        """The maps of the chosen cells, those not ``finished`` made now."""
+        """The maps of the chosen cells, those not ``finished`` made now; ``announce`` gets each as it begins."""
         with closing(worker_pool(bounds)) as pool:
             return make_maps(chosen, command, quick=quick, announce=announce, finished=finished, pool=pool)
 

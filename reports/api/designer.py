@@ -1,7 +1,9 @@
 """What a designer asks of a linkage: its signature is the option on the command line, its docstring the documentation.
 
 Every function takes the name of a mechanism of the catalogue, the path of a .toml file, a loaded linkage or a mapping
-of the form of a file. Help and completion read the signatures alone: what computes is imported when it is called.
+of the form of a file, and raises LinkproofError for bad input; all but ``evaluate`` return a study. ``announce`` gets
+the label of each part of the work as it begins, its number and the number of all. Help and completion read the
+signatures alone: what computes is imported when it is called.
 """
 
 from collections.abc import Mapping, Sequence

@@ -31,7 +31,9 @@ def judge_files(
 ) -> ImportedJudgement:
     """The judgement of a tool's result files against the closed form of a linkage, by the options of ``judge``.
 
-    Raises LinkproofError for an impossible motion, and for files that cannot be read or judged.
+    ``map`` says what columns are, "COLUMN=SIGNAL" each, ``limit`` is a share of the peak, ``encoding`` of texts that
+    are not UTF-8 or UTF-16, "" for none. Raises LinkproofError for an impossible motion, and for files that cannot be
+    read or judged.
     """
     check_motion(motion)
     imported = read_results(files, linkage, map, encoding)

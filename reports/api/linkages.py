@@ -22,7 +22,7 @@ Moved = TypeVar("Moved", bound=SteadyMotion)
 def linkage_file(given: LinkageLike) -> LinkageFile:
     """The file of a linkage given by name, path, mapping or object; raises LinkproofError for one changed in Python.
 
-    And for anything else.
+    So too for anything else, and for a file that cannot be read.
     """
     if isinstance(given, Mapping):
         import tomlkit  # noqa: PLC0415 - files are read without it
@@ -43,7 +43,10 @@ def linkage_file(given: LinkageLike) -> LinkageFile:
 
 
 def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: bool = True) -> Linkage:
-    """The linkage in a variant, its own by default, without gravity if that is switched off."""
+    """The linkage in a variant, its own by default, without gravity if that is switched off.
+
+    Raises LinkproofError for one that cannot be read, and for an unknown variant.
+    """
     if not isinstance(given, Linkage):
         result = linkage_file(given).linkage(variant)
     else:
@@ -52,14 +55,17 @@ def load_linkage(given: LinkageLike, variant: str | None = None, *, gravity: boo
 
 
 def word_of(given: LinkageLike) -> str:
-    """The word by which a command names a linkage: the path or name as given, its name, or a mapping's title."""
+    """The word by which a command names a linkage: the path or name as given, its own name, or a mapping's title."""
     if isinstance(given, Mapping):
         return str(given.get("title", "linkage"))
     return given.name if isinstance(given, Linkage) else str(given)
 
 
 def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
-    """The linkage in the motion's variant and gravity, the word that names it, and the motion with that variant."""
+    """The linkage in the motion's variant and gravity, the word that names it, and the motion with that variant.
+
+    The variant is None for the first of the file. Raises as ``load_linkage``.
+    """
     chosen = load_linkage(given, motion.variant, gravity=motion.gravity)
     if isinstance(given, str | Path):
         return chosen, str(given), motion

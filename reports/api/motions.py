@@ -76,7 +76,7 @@ def requested_case(options: Asked, mechanism: Mechanism) -> Case:
 def requested_results(
     linkage: Linkage, options: Asked, at: Numbers | None = None, time: Numbers | None = None
 ) -> tuple[Case, NDArray[np.float64] | None]:
-    """The motion of a request, and the instants (n,), s, of its tables; None for the whole motion.
+    """The motion of a request, as a case, and the instants (n,), s, of its tables; None for the whole motion.
 
     They are ``at`` degrees, or the file's unit of travel, or at a ``time``, s. Raises LinkproofError for impossible
     ones and for both.
@@ -113,7 +113,10 @@ def named_case(options: Asked, mechanism: Mechanism) -> Case | None:
 
 
 def _default_case(options: Asked, mechanism: Mechanism) -> Case:
-    """The case at constant speed over a turn or, if the driver makes none, over its range, short of the limits."""
+    """The case at constant speed over a turn or, if the driver makes none, over its range, short of the limits.
+
+    A turn is one period of the loads, which may be several turns.
+    """
     if mechanism.linkage.is_linear:
         ((motion,), _) = _prescribed_motions(options, [mechanism.linkage])
         return Case(mechanism, motion)
@@ -134,7 +137,10 @@ def offered_regimes(options: Asked) -> tuple[str, ...]:
 
 
 def check_motion(options: Asked) -> None:
-    """Raise LinkproofError for an impossible motion, in the words and the units of its options."""
+    """Raise LinkproofError for an impossible motion, in the words and the units of its options.
+
+    Names of unknown regimes pass.
+    """
     if not 1.0 / LARGEST <= abs(options.rpm) <= LARGEST / RPM:
         bound = f" up to {LARGEST / RPM:.3g}" if LARGEST < abs(options.rpm) < math.inf else ""
         raise LinkproofError(
@@ -191,7 +197,7 @@ def _check_swing(options: Asked) -> None:
 def _check_number(option: str, value: float, unit: str, least: float) -> None:
     """Raise LinkproofError for an option's value that is not finite, beyond all bounds or below ``least``.
 
-    ``unit`` is for the message.
+    ``option``, such as "--from", and ``unit`` are for the message.
     """
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
@@ -199,7 +205,10 @@ def _check_number(option: str, value: float, unit: str, least: float) -> None:
 
 
 def _motions(options: Asked) -> tuple[CrankMotion, ...]:
-    """The requested prescribed motions of a crank, without regimes that the linkages define; () without any."""
+    """The requested prescribed motions of a crank, without regimes that the linkages define; () without any.
+
+    By default a run-up, or of a swing one at constant speed.
+    """
     known, speed = offered_regimes(options), abs(options.rpm) * RPM
     usual = SWINGING if options.swings else TURNING
     asked = known if EVERYTHING in options.regime else options.regime or (usual,)
@@ -217,7 +226,8 @@ def _motions(options: Asked) -> tuple[CrankMotion, ...]:
 def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
     """The requested prescribed motions, without regimes that linkages define, and their conditions in words.
 
-    Raises LinkproofError for a motion that does not suit a linear drive, or is one of several linkages.
+    Raises LinkproofError for a motion that does not suit a linear drive, or if one of several linkages has such a
+    drive.
     """
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
@@ -247,9 +257,9 @@ def _prescribed_motions(options: Asked, linkages: Sequence[Linkage]) -> tuple[tu
 
 
 def _ends(options: Asked, linkage: Linkage) -> tuple[float, float]:
-    """Travels, m, at which a linear drive's motion begins and ends.
+    """Travels, m, at which a linear drive's motion begins and ends: those of --from and --to.
 
-    By default those of its range, short of its limits.
+    By default those of its range, short of its limits, the last first if it moves backwards.
     """
     if options.from_angle is not None and options.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))

@@ -48,7 +48,7 @@ Announce = Callable[[str, int, int], None]  # the label of a run, its number, th
 
 
 def silent(_label: str, _number: int, _count: int) -> None:
-    """Ignore an announcement."""
+    """Ignore an announcement: the label of a run, its number, the number of all."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,10 @@ class Positive(Option):
 
 @dataclass(frozen=True)
 class Argument:
-    """A positional argument of a command; the help of the command explains it."""
+    """A positional argument of a command; the help of the command explains it.
+
+    ``names`` is as of ``Option``.
+    """
 
     metavar: str
     names: str = ""
@@ -98,7 +101,10 @@ class DeclaredOption(NamedTuple):
 
 @cache
 def declared_options(source: Any) -> tuple[DeclaredOption, ...]:  # noqa: ANN401 - a dataclass or a function
-    """The options and arguments of a function, those of its dataclasses last; or those of a dataclass; in order."""
+    """The options and arguments of a function, those of its dataclasses last; or those of a dataclass; in order.
+
+    Kept for each. A parameter that is not annotated as one is left out.
+    """
     if is_dataclass(source):
         hints = get_type_hints(source, include_extras=True)
         annotated: list[tuple[Any, Any]] = [(field, hints[field.name]) for field in fields(source)]
@@ -118,7 +124,7 @@ def option_groups(function: Callable[..., Any]) -> dict[str, type]:
 def arguments(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of a call by name, from the value of every option by its field's name, each in its one form.
 
-    Raises LinkproofError for a value of another type.
+    Raises LinkproofError for a value of another type, KeyError for an option without a value.
     """
     given: dict[str, dict[str, Any]] = {"": {}}
     for option in declared_options(function):
@@ -129,7 +135,7 @@ def arguments(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[s
 def member_type(kind: Any) -> type | None:  # noqa: ANN401 - a type
     """The type of a tuple's or sequence's members, Path if that is one of several; None for another type.
 
-    One within a union counts.
+    A tuple or sequence within a union counts.
     """
     kinds = (kind, *get_args(kind))
     member = next((get_args(entry)[0] for entry in kinds if get_origin(entry) in (tuple, Sequence)), None)
@@ -153,7 +159,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def called(*args: P.args, **words: P.kwargs) -> R:
-        """Call the function with its arguments checked and in their one form; raises LinkproofError."""
+        """Call the function with its arguments checked and in their one form.
+
+        Raises LinkproofError for one of another type, TypeError for arguments that the function does not take.
+        """
         bound = signature.bind(*args, **words)
         for name, given in bound.arguments.items():
             if name in options:
@@ -167,9 +176,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PLR0911 - of any option, a type each
-    """The value of an option in its one form; raises LinkproofError for a value of another type.
+    """The value of an option in its one form: several in a tuple, paths as Path.
 
-    None is the default where it is allowed.
+    None is the default where it is allowed. A mapping of ranges becomes words, "rod.B.x=170:180". Raises LinkproofError
+    for a value of another type.
     """
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
     several = member_type(option.kind)
@@ -195,13 +205,16 @@ def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PL
 
 
 def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
-    """One value, or several, as a tuple; a text, path or mapping is one."""
+    """One value, or the members of an iterable, as a tuple; a text, path or mapping is one value."""
     is_one = isinstance(given, str | Path | Mapping) or not isinstance(given, Iterable)
     return (given,) if is_one else tuple(given)
 
 
 def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
-    """A number or several as a tuple of floats; a text has commas between them; raises LinkproofError otherwise."""
+    """A number or several as a tuple of floats; a text has commas between them; raises LinkproofError otherwise.
+
+    Those of a text have to be finite.
+    """
     import numpy as np  # noqa: PLC0415 - help does without
 
     if not isinstance(given, str):
@@ -219,7 +232,7 @@ def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: 
 
 
 def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - whatever is passed
-    """A number, unchanged; raises LinkproofError for anything else.
+    """A number, unchanged; raises LinkproofError for anything else, True and False included.
 
     It has to be whole, or positive and finite, where the option is.
     """
@@ -238,15 +251,16 @@ def _number(option: DeclaredOption, value: Any) -> float:  # noqa: ANN401 - what
 def command_line(function: Callable[..., Any], given: Mapping[str, Any], without: Sequence[str] = ()) -> str:
     """The command that repeats a call, as text: arguments, options with values, flags; defaults are left out.
 
-    ``given`` are the arguments of the function by name; groups and options ``without`` are left out, too.
+    ``given`` are the arguments of the function by name; groups and options ``without`` are left out, too, and those
+    that do not affect results.
     """
     return shlex.join(["linkproof", function.__name__, *option_words(function, changed(function, given, without))])
 
 
 def option_words(source: Any, values: Mapping[str, Any]) -> list[str]:  # noqa: ANN401 - a dataclass or a function
-    """Options' ``values``, by the names of their fields, as words of a command.
+    """Options' ``values``, by the names of their fields, as words of a command: arguments, options with values, flags.
 
-    Flags are those whose value is a bool.
+    A bool, be it True or False, is a flag; an option without a value, or with None, is left out.
     """
     words: tuple[list[str], list[str], list[str]] = ([], [], [])  # arguments, options with values, flags
     for option in declared_options(source):
@@ -263,7 +277,8 @@ def option_words(source: Any, values: Mapping[str, Any]) -> list[str]:  # noqa: 
 def changed(source: Any, given: Mapping[str, Any], without: Sequence[str] = ()) -> dict[str, Any]:  # noqa: ANN401
     """The options of a function or a dataclass that affect results and differ from their defaults, by field's name.
 
-    ``given`` are the arguments or fields by name; groups and options ``without`` are left out.
+    ``given`` are the arguments or fields by name; groups and options ``without`` are left out. Their values are
+    unchanged.
     """
     return {
         option.field.name: value
@@ -277,7 +292,7 @@ def changed(source: Any, given: Mapping[str, Any], without: Sequence[str] = ()) 
 def with_values(function: Callable[..., Any], given: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of a call, ``given`` by name, with other ``values`` of some options, by their fields' names.
 
-    A new dict.
+    A new dict; the values are checked. Raises LinkproofError for one of another type.
     """
     every = {option.field.name: value for option, value in _options_with_values(function, given)}
     arguments_given = {name: given[name] for name in inspect.signature(function).parameters}
@@ -298,7 +313,10 @@ def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN4
 
 
 def range_word(name: str, values: Any) -> str:  # noqa: ANN401 - of a mapping of names
-    """A number's name with its range as the command line takes it: "rod.B.x=170:180"."""
+    """A number's name with its range as the command line takes it: "rod.B.x=170:180"; the name alone for None.
+
+    ``values`` are a pair (low, high), None for an end that is unbounded, a text such as "±10%", a number or None.
+    """
     if values is None:
         return name
     if isinstance(values, tuple):
@@ -312,7 +330,7 @@ def _values_of(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
 
 
 def typed_word(value: Any) -> str:  # noqa: ANN401 - of any option
-    """A value as a user types it: all digits of a number, no point behind a whole one."""
+    """A value as a user types it: all digits of a number, no point behind a whole one, other values by ``str``."""
     return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)
 
 
@@ -363,7 +381,7 @@ class Checked:
     """Options each of which takes its one form; raises LinkproofError for a value of another type."""
 
     def __post_init__(self) -> None:
-        """Give every option its one form; raises LinkproofError for a value of another type."""
+        """Give every option of this instance its one form; raises LinkproofError for a value of another type."""
         kind: Any = type(self)
         for option in declared_options(kind):
             name = option.field.name
@@ -392,7 +410,7 @@ class SteadyMotion(Checked):
 
     @property
     def motion(self) -> Motion:
-        """The same motion as a ``Motion``."""
+        """The same motion as a new ``Motion``, its other options the defaults."""
         return Motion(**vars(self))
 
 
@@ -425,7 +443,7 @@ class Motion(SteadyMotion):
 
     @property
     def turns_back(self) -> bool:
-        """Whether the crank turns clockwise."""
+        """Whether the crank turns clockwise: the speed is negative, or -0 of one at rest."""
         return math.copysign(1.0, self.rpm) < 0.0  # of a crank at rest, -0, too
 
     @property

@@ -39,8 +39,8 @@ def steady_case(
 ) -> SteadyCase:
     """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
 
-    ``scale_mass`` scales masses with lengths, ``refine`` is for the conditions in words. Raises LinkproofError for bad
-    input.
+    ``scale_mass`` scales masses with lengths, ``refine`` only says in the conditions in words that extremes are exact.
+    Raises LinkproofError for bad input.
     """
     mechanism = Mechanism(replace(linkage, scales_mass=scale_mass))
     motion = options.motion
@@ -84,7 +84,10 @@ def aim(minimise: str | None, maximise: str | None) -> str:
 
 
 def check_words(best: Optimum, motion: SteadyMotion) -> tuple[str, ...]:
-    """The options, as words, with which ``compare`` checks the best design under the same motion."""
+    """The options, as words such as "--speed", with which ``compare`` checks the best design under the same motion.
+
+    The best speed is among them if it is varied, else that of ``motion``.
+    """
     same = replace(motion.motion, variant=None)
     if SPEED in best.after:
         unit = best.problem.case.linkage.phi.speed_unit

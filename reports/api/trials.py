@@ -1,4 +1,8 @@
-"""What someone who writes or chooses an engine asks: signatures are the options of the command line."""
+"""What someone who writes or chooses an engine asks: signatures are the options of the command line.
+
+Each function raises LinkproofError for bad input. ``announce`` gets the label of a run as it begins, its number and the
+number of all.
+"""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -255,9 +259,9 @@ def stress(
 def own_study(function: Callable[..., Any], given: Mapping[str, Any], study: str) -> Any:  # noqa: ANN401 - of each its own
     """The study that is in the folder ``out``, finished if it was not; None where another one is asked for.
 
-    ``given`` are the arguments of the ``function``'s call, ``study`` is the class's name. The folder is only read if
-    nothing else is given that affects the results; an unfinished study of the function is made by calling it. Raises
-    LinkproofError for a damaged one.
+    ``given`` are the arguments of the ``function``'s call, ``study`` is the name of the class of what it returns. The
+    folder is only read if nothing else is given that affects the results; an unfinished study of the function is made
+    by calling it. Raises LinkproofError for a damaged one.
     """
     folder, name = given["out"], function.__name__
     if folder is None or changed(function, given):

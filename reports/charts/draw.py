@@ -62,7 +62,7 @@ _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 def drawn(width: float, height: float, draw: Callable[[Figure], object], *, placed: bool = True) -> Figure:
     """A new figure of this width and height, in, that ``draw`` fills, in the house style.
 
-    Its parts are arranged so that they do not touch, unless ``placed`` is False.
+    ``draw`` gets the figure. Its parts are arranged so that they do not touch, unless ``placed`` is False.
     """
     with matplotlib.rc_context(fname=STYLE):
         figure = Figure(figsize=(width, height), layout="constrained" if placed else None)
@@ -79,7 +79,7 @@ def inches(host: Host) -> Array:
 
 
 def wrap(text: str, room: float) -> str:
-    """A text broken into lines of about ``room`` inches, eight letters at least."""
+    """A text broken by line ends into lines of about ``room`` inches, eight letters at least."""
     return textwrap.fill(text, max(int(LETTERS * room), 8))
 
 
@@ -89,7 +89,7 @@ def head_lines(lines: Sequence[str], width: float) -> list[str]:
 
 
 def head(host: Host, lines: Sequence[str]) -> Host:
-    """Write lines at the top of a figure; returns the part below them."""
+    """Write lines, folded to its width, at the top of a figure; returns the part below them, to be drawn into."""
     host.suptitle("\n".join(head_lines(lines, inches(host)[0])), x=0.01, ha="left", fontsize="medium")
     return host.add_subfigure(host.add_gridspec()[0])
 
@@ -102,8 +102,8 @@ def axis_label(name: str, unit: str) -> str:
 def finish(axes: Axes, x_label: str = "", y_label: str = "", *, turn: bool = False, equal: bool = False) -> None:
     """Set labels, limits and lines at zero of axes that have all their curves.
 
-    A flat curve stands in the middle whatever its rounding, and magnitudes stand above zero. ``turn`` is an axis of a
-    turn, in degrees, ``equal`` is one scale for both axes.
+    A flat curve stands in the middle whatever its rounding, and magnitudes stand above zero. ``turn`` is an x axis of a
+    turn, 0 to 360 degrees, ``equal`` is one scale for both axes.
     """
     axes.set(xlabel=x_label, ylabel=y_label)
     if turn:
@@ -131,7 +131,7 @@ def is_wide(figure: Figure) -> bool:
 def svg(figure: Figure, page: str = "none") -> str:
     """The figure as SVG text, always the same for the same figure; a dark scheme of the reader's changes its colours.
 
-    ``page`` is the colour behind it; with one the colours stay.
+    ``page`` is the colour behind it, "none" for none; with one the colours stay.
     """
     text = _saved(figure, "svg", ("Date", "Creator", "Format", "Type"), facecolor=page).decode("utf-8")
     text = _COORDINATES.sub(lambda match: _LONG_NUMBER.sub(r"\1", match[0]), text)
@@ -142,7 +142,7 @@ def svg(figure: Figure, page: str = "none") -> str:
 def picture(figure: Figure, kind: str) -> str | bytes:
     """The figure on white as the content of a file, text of an svg, bytes of a png or pdf, the same every time.
 
-    It has its fonts and is for papers.
+    It has its fonts and is for papers. ``kind`` is the suffix without its point.
     """
     if kind == "svg":
         return svg(figure, page="white")
@@ -152,9 +152,9 @@ def picture(figure: Figure, kind: str) -> str | bytes:
 
 
 def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
-    """The bytes of a figure's file of a kind, without the metadata ``left_out``: equal figures give equal files.
+    """The bytes of a figure's file of a ``kind``, without the metadata ``left_out``: equal figures give equal files.
 
-    ``more`` goes to matplotlib.
+    ``more`` goes to matplotlib's ``savefig``.
     """
     buffer = io.BytesIO()
     with matplotlib.rc_context(fname=STYLE):
@@ -163,7 +163,7 @@ def _saved(figure: Figure, kind: str, left_out: Sequence[str], **more: Any) -> b
 
 
 def _dark(text: str) -> str:
-    """CSS rules that replace the colours that an SVG text has in a dark scheme."""
+    """CSS rules that replace the colours that an SVG text has where the reader's scheme is dark; "" without any."""
     return "".join(
         f'[style*="{what}: {light}"],[{what}="{light}"]{{{what}:{dark}!important}}'
         for light, dark in DARK.items()

@@ -24,9 +24,9 @@ POSITIONS = 12
 
 @dataclass(frozen=True)
 class KinematicScheme:
-    """A linkage in its positions; ``where`` is the instant, on their axis, that is drawn out, the clearest if None.
+    """A linkage in its positions; ``where`` is the place on their axis that is drawn out, the clearest if None.
 
-    All places are in the unit of length of the linkage's file.
+    All places are in the unit of length of the linkage's file; the axis is φ, rad or m, or the time, s.
     """
 
     linkage: Linkage
@@ -35,12 +35,12 @@ class KinematicScheme:
 
     @cached_property
     def scale(self) -> float:
-        """Length, in the drawing's unit, which is the file's unit of length, of one metre."""
+        """Length of one metre in the drawing's unit, which is the file's unit of length."""
         return 1.0 / file_unit("m", self.linkage).size
 
     @property
     def shown_indices(self) -> NDArray[np.intp]:
-        """Indices of the positions that are shown, evenly spread."""
+        """Indices of the positions that are shown, twelve, evenly spread."""
         last = len(self.positions.axis) - 1
         return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
 
@@ -103,12 +103,15 @@ class KinematicScheme:
 
     @property
     def runs(self) -> list[tuple[Guide, str, str]]:
-        """The guides of sliders and slots, each with the body, and its point, that moves along it."""
+        """The guides of sliders, then of slots, each with the body, and its point, that moves along it."""
         sliders = [(s.guide, s.link, s.point) for s in self.linkage.sliders]
         return sliders + [(s.guide, self.positions.carriers[s.point], s.point) for s in self.linkage.slots]
 
     def reach(self, guide: Guide, body: str, point: str) -> Array:
-        """The ends, in a guide's host's frame, m, between which a body's point moves over all positions, (2, 2)."""
+        """The ends of a body's point's travel over all positions along a guide, in its host's frame, m, (2, 2).
+
+        ``body`` carries ``point``, which moves along ``guide``.
+        """
         start, end = self.path(guide.host, [guide.through, np.add(guide.through, guide.along)])
         pin = self.path(body, [self.linkage.local(point, body)])[0]
         course = np.sum((pin - start) * (end - start), axis=0) / self.scale**2
@@ -132,7 +135,7 @@ class KinematicScheme:
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:
-        """Lowest and highest x and y ever reached, in the drawing's unit."""
+        """Lowest and highest x and y that a named point ever reaches, (2,) each, in the drawing's unit."""
         spots = np.concatenate([path.T for path in self.paths.values()])
         return spots.min(axis=0), spots.max(axis=0)
 
@@ -153,7 +156,7 @@ NAME_STYLE: Final[dict[str, Any]] = {
 
 
 def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
-    """A figure of the linkage in twelve positions, to scale in both directions."""
+    """A figure of the linkage in twelve of its positions, to scale in both directions, one of them drawn out."""
     scheme = KinematicScheme(linkage, positions)
     return scaled_figure(scheme, scheme.extent, draw_scheme)
 
@@ -180,7 +183,7 @@ def card_figure(linkage: Linkage, positions: Positions) -> Figure:
 def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
     """A figure of the plane between two corners, in the file's unit; ``draw`` gets axes, scheme and a pin's radius.
 
-    It is ``wide``, in, and half as high again at most; else as wide as it needs to be.
+    It is ``wide``, in, and half as high again at most; with None as wide as it needs to be.
     """
     largest = LARGEST if wide is None else np.array([wide, 1.5 * wide])
     narrowest = NARROWEST if wide is None else wide - WORDS[0]
@@ -192,9 +195,9 @@ def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: flo
 
 
 def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> None:
-    """Draw the plane between two corners into a figure or a part of one.
+    """Draw the plane between two corners, in the file's unit, to scale into a figure or a part of one.
 
-    ``draw`` gets axes, scheme and a pin's radius.
+    ``draw`` gets new axes, the scheme and a pin's radius.
     """
     whole = inches(host)
     box = whole - WORDS
@@ -209,7 +212,10 @@ def place(host: Host, scheme: KinematicScheme, extent: Extent, draw: Draw) -> No
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw all positions faintly and one in full; ``size`` is a pin's radius. Sets no limits of the axes."""
+    """Draw all shown positions faintly and one in full, with names; ``size`` is a pin's radius.
+
+    Sets no limits of the axes.
+    """
     _ghosts(axes, scheme)
     draw_paths(axes, scheme)
     draw_position(axes, scheme, size)
@@ -229,7 +235,7 @@ def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: b
 
 
 def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
-    """Draw every link in every position, as thin lines."""
+    """Draw every link in each of the twelve positions, as thin lines."""
     for name, link in scheme.linkage.links.items():
         corners = symbols.outline(np.array(list(link.points.values())).reshape(-1, 2))
         ring = np.vstack([corners, corners[: len(corners) > 2]])
@@ -317,12 +323,15 @@ def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 
 def write_name(axes: Axes, place: Array, name: str, ink: str = INK) -> None:
-    """Write a name, centred at a place, (2,), of the axes, in a colour."""
+    """Write a name, centred at a place, (2,), of the axes, in the colour ``ink``."""
     axes.text(float(place[0]), float(place[1]), name, color=ink, **NAME_STYLE)
 
 
 def _towards_links(name: str, scheme: KinematicScheme) -> Array:
-    """The sum of unit vectors from a point to its neighbours on the same links, (2,); zeros without neighbours."""
+    """The sum of unit vectors from a point to its neighbours on the same links, (2,); zeros without neighbours.
+
+    ``name`` is the point's.
+    """
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
     return np.round(sum(map(symbols.unit, spans), np.zeros(2)), 6)
@@ -334,7 +343,7 @@ THREAD = PALETTE[1]
 
 
 def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
-    """A figure of the thread's contour with the linkage, to scale in both directions."""
+    """A figure of the thread's contour with the linkage, to scale in both directions, where its feed is zero."""
     scheme = KinematicScheme(linkage, positions, thread.reference_angle)
     spots = scheme.scale * thread.contour
     low, high = scheme.extent

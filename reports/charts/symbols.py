@@ -1,6 +1,7 @@
 """Symbols of a kinematic scheme: bars, plates, pins, fixed pivots, sliders on hatched guides, slots, springs.
 
-Lengths are in the unit of the axes, which have equal aspect; ``size`` is the radius of a pin in that unit.
+Each is drawn into axes of equal aspect, and nothing is returned. Places are (2,), lengths in the unit of the axes;
+``size`` is the radius of a pin in that unit.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of t
 
 
 def outline(points: Array) -> Array:
-    """The corners of the convex hull of (n, 2) points, in order; the two ends for points on one line."""
+    """The corners, (k, 2), of the convex hull of (n, 2) points, in order; the two ends for points on one line.
+
+    Fewer than two points are returned unchanged.
+    """
     if len(points) < 2:
         return points
     farthest = np.argmax(points @ np.array([AROUND.real, AROUND.imag]), axis=0)
@@ -39,15 +43,15 @@ def left(vector: Array) -> Array:
 
 
 def line(axes: Axes, places: ArrayLike, width: float, layer: float, ink: str = INK, **style: Any) -> None:  # noqa: ANN401
-    """Draw a line of a ``width`` in points and an ``ink`` through (n, 2) places.
+    """Draw a line of a ``width`` in points and an ``ink``, a colour, through (n, 2) places; nan parts it.
 
-    A higher ``layer`` covers lower ones.
+    A higher ``layer`` covers lower ones. ``style`` goes to matplotlib's Line2D.
     """
     axes.add_artist(Line2D(*np.transpose(places), color=ink, linewidth=width, zorder=layer, **style))
 
 
 def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any = PAPER) -> None:  # noqa: ANN401
-    """Draw a polygon, filled with ``face``, with an outline of a ``width`` in points.
+    """Draw a polygon, filled with ``face``, a colour or (colour, opacity), with an outline of a ``width`` in points.
 
     A higher ``layer`` covers lower ones.
     """
@@ -55,13 +59,13 @@ def _area(axes: Axes, corners: ArrayLike, width: float, layer: float, face: Any 
 
 
 def _box(start: Array, end: Array, half: float) -> list[Array]:
-    """The four corners of a box, twice ``half`` wide, around a line."""
+    """The four corners of a box, twice ``half`` wide, around the line from ``start`` to ``end``."""
     across = half * left(unit(end - start))
     return [start + across, end + across, end - across, start - across]
 
 
 def bar(axes: Axes, points: Array, layer: float) -> None:
-    """Draw a link: a round-ended bar for points on one line, a plate, their convex hull, for others.
+    """Draw a link of (n, 2) points: a round-ended bar if they are on one line, else a plate, their convex hull.
 
     A higher ``layer`` covers lower ones.
     """
@@ -120,7 +124,7 @@ def slot(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def mass_centre(axes: Axes, place: Array, link: Array, size: float) -> None:
-    """Draw the quartered disc of a mass centre, tied by a thin dotted line to a place of its link."""
+    """Draw the quartered disc of a mass centre at ``place``, tied by a dotted line to ``link``, a place of its link."""
     line(axes, (link, place), 0.6, 4.5, linestyle=(0, (1, 1.6)))
     pin(axes, place, 0.8 * size, 9.0)
     for start in (0.0, 180.0):
@@ -129,7 +133,7 @@ def mass_centre(axes: Axes, place: Array, link: Array, size: float) -> None:
 
 
 def spring(axes: Axes, start: Array, end: Array, size: float) -> None:
-    """Draw a zigzag between two points, of as many turns as its length has room for."""
+    """Draw a zigzag between two points, of as many turns as its length has room for, 5 to 40 corners."""
     turns = int(np.clip(0.4 * float(np.hypot(*(end - start))) / size, 5, 40))
     share = np.concatenate([[0.0, 0.2], np.linspace(0.21, 0.79, turns), [0.8, 1.0]])
     height = np.concatenate([[0.0, 0.0], 1.5 * size * (-1.0) ** np.arange(turns), [0.0, 0.0]])

@@ -1,4 +1,7 @@
-"""Completion in a shell: names of mechanisms, engines, settings, regimes, quantities and stability maps."""
+"""Completion in a shell: names of mechanisms, engines, settings, regimes, quantities and stability maps.
+
+A name is one that begins with the incomplete word; the typed words are in COMP_WORDS.
+"""
 
 from __future__ import annotations
 
@@ -23,22 +26,25 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 
 
 def mechanisms(incomplete: str) -> list[str]:
-    """Names of the catalogue and paths of linkage files that begin with the incomplete word.
+    """Names of the catalogue and paths of linkage files that begin with the incomplete word, sorted.
 
-    Paths only to a relative one.
+    There are paths only for a word that is neither empty nor absolute.
     """
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
     return [*_completions(_files_by_name(), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
-    """Variants, beginning with the incomplete word, of the typed mechanisms."""
+    """Variants, beginning with the incomplete word, of the typed mechanisms, sorted."""
     named = [name for table in _linkage_tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
     return _completions(named, incomplete)
 
 
 def regimes(incomplete: str) -> list[str]:
-    """Names, beginning with the incomplete word, of general regimes and of those in the typed files."""
+    """Names, beginning with the incomplete word, of general regimes and of those in the typed files, sorted.
+
+    "own" and "all" are among them.
+    """
     from analytic.description.crank_motion import LAWS, REGIMES
 
     own = [name for table in _linkage_tables() for name in table.get("regimes", {})]
@@ -53,7 +59,7 @@ def engines(incomplete: str) -> list[str]:
 
 
 def settings(incomplete: str) -> list[str]:
-    """Names of settings that begin with the incomplete word."""
+    """Names of settings, and "all", that begin with the incomplete word."""
     from engines.contract import Setting
 
     return _completions([*Setting, "all"], incomplete)
@@ -100,7 +106,7 @@ def _completions(names: Iterable[str], incomplete: str) -> list[str]:
 
 
 def _typed_files() -> list[Path]:
-    """The linkage files among the words typed so far, without program and command."""
+    """The linkage files named by the words typed so far, without program and command; one may not exist."""
     known = _files_by_name()
     return [known.get(word, Path(word)) for word in os.environ.get("COMP_WORDS", "").split()[2:]]
 
@@ -135,7 +141,7 @@ PLACES: Final = {
 def complete(app: click.Group) -> int:
     """Print the words that may follow, or the script of completion, for the shell that asks; returns the exit code, 0.
 
-    Raises LinkproofError for a shell without completion.
+    The shell and what it asks are in ``VARIABLE``. Raises LinkproofError for a shell without completion.
     """
     shell, _, action = os.environ[VARIABLE].partition("_")
     asked = _completer(app, shell)
@@ -154,9 +160,10 @@ def _completer(app: click.Group, shell: str) -> ShellComplete:
 
 
 def _teach(context: click.Context, parameter: click.Parameter, is_requested: bool) -> None:
-    """Print the user's completion script, or write it where the shell finds it, and end.
+    """Print the user's completion script, or write it where the shell finds it, and end the command.
 
-    Nothing if it is not asked for. Raises LinkproofError for a shell without completion.
+    It is click's callback; without ``is_requested`` it does nothing. Raises LinkproofError for a shell without
+    completion.
     """
     if not is_requested:
         return
@@ -170,9 +177,10 @@ def _teach(context: click.Context, parameter: click.Parameter, is_requested: boo
 
 
 def _install(shell: str, script: str) -> None:
-    """Write the completion script where the shell finds it and end the command, if it is asked for.
+    """Write the completion script where the shell finds it, and a line into the shell's settings that reads it.
 
-    The shell's settings read it from then on. Raises LinkproofError for a shell whose files are not known.
+    Prints the script's place. Raises KeyError for a shell that is not in ``PLACES``, OSError where a file cannot be
+    written.
     """
     file, start, line = PLACES[shell]
     place = Path.home() / file

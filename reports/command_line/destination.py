@@ -26,8 +26,8 @@ class Destination(OutputOptions):
     def prepare(self, study: str, given: Iterable[object]) -> None:
         """Raise LinkproofError, before the work, for options of output that exclude each other or cannot be met.
 
-        ``study`` is module:class, whose suffixes files may have. ``given`` are the arguments of the command, whose
-        files no output may replace. Creates nothing that stays.
+        ``study`` is module:class, whose suffixes files may have. ``given`` are the values of the command's arguments,
+        whose files no output may replace. Creates nothing that stays.
         """
         self._check_form()
         if self.quiet and self.verbose:
@@ -58,8 +58,8 @@ class Destination(OutputOptions):
     def make(self, function: Callable[..., Study | None]) -> int:
         """Call the function, print its study and write its files; returns the exit code, 0 without a study.
 
-        The function gets ``announce`` if it takes it. If stdout is for JSON, what engines in this process print goes to
-        stderr.
+        The function gets ``announce``, which shows the progress, if it takes it. With --json what engines in this
+        process print goes to stderr. Raises what the function and ``emit`` raise.
         """
         with redirect_stdout(sys.stderr) if self.json else nullcontext():
             if "announce" not in inspect.signature(function).parameters:
@@ -72,7 +72,8 @@ class Destination(OutputOptions):
     def emit(self, study: Study) -> int:
         """Print a study with its warnings, write its files and name them; returns the exit code.
 
-        Raises LinkproofError for a study without content, and opens its page if asked to.
+        Opens its page if asked to. Raises LinkproofError for a study without content or one of which nothing could be
+        judged, and for a file that cannot be written.
         """
         study.check_content()
         warnings = (f"warning: {text}" for text in dict.fromkeys(study.warnings))  # be the run quiet or not
@@ -109,7 +110,7 @@ class Destination(OutputOptions):
 
 
 def write_to_stdout(text: str) -> None:
-    """Write data to stdout, in UTF-8 whatever its character set."""
+    """Write text to stdout, in UTF-8 whatever its character set."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
     write(text, sys.stdout)
@@ -117,7 +118,10 @@ def write_to_stdout(text: str) -> None:
 
 @contextmanager
 def progress(*, visible: bool = True) -> Iterator[Announce]:
-    """A context whose value shows each begun run in a progress bar on a terminal, and else does nothing."""
+    """A context whose value shows each begun run in a progress bar on stderr, or does nothing if that is no terminal.
+
+    It does nothing either unless ``visible``. The value takes the label of a run, its number and the number of all.
+    """
     if not (visible and sys.stderr.isatty()):
         yield lambda *_: None
         return

@@ -24,9 +24,10 @@ def main() -> None:
 
 
 def _run_app() -> None:
-    """Import and run the command line, with the streams made safe first.
+    """Import and run the command line on ``sys.argv``, with the streams made safe first.
 
-    Exits with its code, or a sentence on the error.
+    Exits with its code, or prints a sentence on the error on stderr and exits with that error's code. Ctrl-C raises
+    KeyboardInterrupt.
     """
     _start_fast()
     _open_closed_streams()
@@ -55,9 +56,9 @@ def _run_app() -> None:
 
 
 def _end_badly(error: Exception) -> None:
-    """Print a sentence on an unexpected error, and exit.
+    """Print a sentence on an unexpected error on stderr, and exit.
 
-    It blames the machine if that is the cause, else linkproof.
+    It blames the machine if that is the cause, with code 1 or 2, else linkproof, with code 3.
     """
     if isinstance(error, FileNotFoundError) and error.filename is None:
         _end_with_sentence("expected a working folder, got one that was deleted: change to another", BAD_INPUT)
@@ -73,7 +74,7 @@ def _end_badly(error: Exception) -> None:
 
 
 def _start_fast() -> None:
-    """Speed up the start of this process: fewer garbage collections, no plugins of pydantic.
+    """Speed up the start of this process: fewer garbage collections, no plugins of pydantic (by the environment).
 
     And make SIGTERM act as Ctrl-C.
     """
@@ -85,7 +86,7 @@ def _start_fast() -> None:
 
 
 def _open_closed_streams() -> None:
-    """Replace a closed stream (>&-) by the null device, or a file opened later would get its number."""
+    """Replace stdout or stderr, if closed (>&-), by the null device, or a file opened later would get its number."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - open until the process ends
@@ -94,13 +95,13 @@ def _open_closed_streams() -> None:
 def _discard(descriptor: int) -> None:
     """Send what a stream has still to write to the null device, so that Python exits without an error.
 
-    ``descriptor`` is the stream's.
+    ``descriptor`` is the number of the stream's file.
     """
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
 def _end_with_sentence(sentence: str, code: int) -> None:
-    """Print a sentence on stderr and exit with this code."""
+    """Print a sentence after "linkproof: " on stderr and exit with this code."""
     try:
         sys.stderr.write(f"linkproof: {sentence}\n")
         sys.stderr.flush()

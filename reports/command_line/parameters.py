@@ -53,7 +53,7 @@ class CommandGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def get_help(self, ctx: click.Context) -> str:
-        """The help of click and the glossary."""
+        """The help of click and, after a blank line, the glossary, as text."""
         return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
 
 
@@ -63,7 +63,7 @@ class LinkproofCommand(click.Command):
     sections: Mapping[str, str]  # titles by the names of parameters
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options into the help's ``formatter``, section by section."""
+        """Write the options into the help's ``formatter``, by sections; one without a section is under "Options"."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
@@ -74,9 +74,9 @@ class LinkproofCommand(click.Command):
                 formatter.write_dl(records)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the words, as click does.
+        """Parse the words, as click does, into the context; returns the words that are left.
 
-        Raises LinkproofError for an option that is gone, as is a file after --json.
+        Raises LinkproofError for an option that is gone, as is a file after --json, click's errors for other mistakes.
         """
         files = [file for word, file in pairwise(args) if word == "--json" and not ctx.resilient_parsing]
         if any(file == "-" or file.lower().endswith(".json") for file in files):
@@ -97,10 +97,11 @@ def study_command(
     study: str = "",
     **texts: str,
 ) -> None:
-    """Add a command for a function that returns a study: its options, then those of output that it ``offers``.
+    """Add to ``app`` the command ``name`` for a function that returns a study: its options, then those of output.
 
-    ``offers`` has the help of each, empty for the usual one; ``study`` is the place of the class, module:name,
-    ``summary`` the line in the list of commands. An ``out`` of the function is an option of output as well.
+    ``offers`` has the names of these, with blanks between; ``texts`` offer more, with a help of their own. ``study`` is
+    the place of the study's class, module:name, whose suffixes --save takes. An ``out`` of the function is an option of
+    output as well.
     """
     own, offered = declared_options(function), {*offers.split(), *texts}
     files = [option for option in declared_options(OutputOptions) if option.field.name in offered]
@@ -108,7 +109,10 @@ def study_command(
     titles = {each: kind.__name__.removeprefix("Steady") for each, kind in option_groups(function).items()}
 
     def called(**words: Any) -> int:  # noqa: ANN401 - of all options
-        """Call the function with click's values, print and write its study; the exit code."""
+        """Call the function with click's values, print and write its study; returns the exit code.
+
+        Raises LinkproofError for bad input.
+        """
         from reports.command_line.destination import Destination  # noqa: PLC0415 - help does without
 
         given = {each: _value(option, words[each]) for option in (*own, *files) if (each := option.field.name)}
@@ -131,7 +135,10 @@ def study_command(
 
 
 def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
-    """The option or argument as click's; ``text`` replaces its help if it is not empty."""
+    """The option or argument as click's; ``text`` replaces its help if it is not empty.
+
+    Raises AttributeError for ``names`` that the module of completion lacks.
+    """
     name, info, kind, default = option.field.name, option.info, option.kind, option.field.default
     several, types = member_type(kind), (kind, *get_args(kind))
     value: Any = float if float in types else int if int in types else str
@@ -158,14 +165,15 @@ def _parameter(option: DeclaredOption, text: str) -> click.Parameter:
 
 
 def _value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401 - of any option
-    """An option's value from click's; a flag that is set is False where the default is True."""
+    """An option's value from click's: unchanged, but a flag that is set is False where the default is True."""
     return not given if option.field.default is True else given
 
 
 def run(app: click.Group, name: str, words: Sequence[str]) -> int:
-    """Run a command's words, or answer a shell's completion; returns the exit code.
+    """Run a command's words, or answer a shell's completion, asked for by a variable; returns the exit code.
 
-    Click's own errors are printed. Ctrl-C raises KeyboardInterrupt.
+    ``name`` is that of the program. Click's own errors are printed on stderr. Raises LinkproofError as the command
+    does; Ctrl-C raises KeyboardInterrupt.
     """
     if completion.VARIABLE in os.environ:
         return completion.complete(app)

@@ -197,7 +197,7 @@ class Tolerance(Study):
 
 
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """The printed cells of a row: the number with its ±, derivative, contribution, share of the variance."""
+    """The printed cells of a row of ``rows``: number, ±, unit, distribution, derivative, its kind, effect, share."""
     derivative, share, how = row["derivative"], row["share of variance"], row["derivative is"]
     return (
         row["parameter"],

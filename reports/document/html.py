@@ -40,7 +40,7 @@ def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
     Returns the files' names within the folder, the page's first. ``pages`` are links to the report's pages, for its
-    menu.
+    menu. Raises LinkproofError for a file that cannot be written.
     """
     files = _PageFiles(folder, page)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file
@@ -49,7 +49,10 @@ def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
 
 
 def write_assets(folder: Path) -> None:
-    """Write the files that all pages of a report share: style sheet, scripts, Plotly."""
+    """Write the files that all pages of a report share, style sheet, scripts and Plotly, into ``folder``/assets.
+
+    That is made if missing. Raises LinkproofError for a file that cannot be written.
+    """
     assets, scripts = folder / "assets", FOLDER / "scripts"
     files = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
     write_file(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
@@ -71,7 +74,7 @@ class _PageFiles:
         return "../" * self.page.file.count("/")
 
     def inline(self, words: Words) -> Markup:
-        """Words as HTML markup, everything in them escaped."""
+        """Words as HTML markup, everything in them escaped; a value and its unit stay on one line."""
         match words:
             case tuple():
                 return Markup("").join(map(self.inline, words))
@@ -84,12 +87,16 @@ class _PageFiles:
         return Markup(POWER.sub(r'<span class="whole">\g<0></span>', str(text))) if " " in words else text
 
     def json(self, data: object) -> Markup:
-        """JSON text that may stand in a script of a page; raises ValueError for a number that is not finite."""
+        """JSON text, as markup, that may stand in a script; raises ValueError for a number that is not finite."""
         text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
         return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
 
     def data(self, widget: Widget) -> str:
-        """Write a widget's further data; returns the folder that holds this page's data."""
+        """Write a widget's further data, a script file each; returns the address of the folder with this page's data.
+
+        It is relative to the page. Raises LinkproofError for a file that cannot be written, ValueError for a number
+        that is not finite.
+        """
         folder = f"data/{Path(self.page.file).stem}/"
         for key, data in widget.further.items():
             name = f"{widget.name}.{key}"
@@ -98,7 +105,10 @@ class _PageFiles:
         return self.root + folder
 
     def picture(self, figure: PageFigure) -> Picture:
-        """Draw a figure into files of the page; returns the picture with its address and size."""
+        """Draw a figure into an SVG file of the page; returns the picture with its address and size.
+
+        Raises LinkproofError for a file that cannot be written.
+        """
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
         drawing = figure.drawing()

@@ -26,15 +26,15 @@ MARKUP: Final = re.compile(r"[\\`*\[\]]|(?<![^\W_])_|_(?![^\W_])|<(?=[A-Za-z/!?]
 
 
 def written(parts: Iterable[Part], level: int = 2) -> str:
-    """Parts as Markdown, a blank line between them; ``level`` is that of a heading.
+    """Parts as Markdown text, a blank line between them; ``level`` is that of a heading, the number of its #.
 
-    Parts that only pages have are left out.
+    Parts that only pages have are left out; a section in a section has the next level.
     """
     return "\n\n".join(filter(None, (_part(part, level) for part in parts)))
 
 
 def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
-    """One part as Markdown; ``level`` is that of a heading. "" for a part that only pages have."""
+    """One part as Markdown text; ``level`` is that of a heading. "" for a part that only pages have."""
     match part:
         case Paragraph(words):
             return inline(words)
@@ -52,7 +52,7 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
 
 
 def table(result: Table) -> str:
-    """A table as Markdown with caption and note; a heading over several columns is repeated in each."""
+    """A table as Markdown text with caption and note; a heading over several columns is repeated in each."""
     over = [words for words, columns in result.groups for _ in range(columns)] or [""] * len(result.head)
     head = [f"{inline(words)} {_cell(cell)}".strip() for words, cell in zip(over, result.head, strict=True)]
     rule = [RULES[result.side(column)] for column in range(len(result.head))]
@@ -61,7 +61,7 @@ def table(result: Table) -> str:
 
 
 def _cell(cell: TableCell | Words) -> str:
-    """A cell as Markdown, its note in brackets."""
+    """A cell as Markdown text, its note in brackets; style, colour, tooltip and span are left out."""
     if isinstance(cell, TableCell):
         return inline(cell.words) + (f" ({inline(cell.note)})" if cell.note else "")
     return inline(cell)
@@ -73,7 +73,7 @@ def _row(cells: Iterable[str]) -> str:
 
 
 def inline(words: Words) -> str:
-    """Words with their links and commands; nothing in the words themselves is markup, of Markdown or of HTML."""
+    """Words as Markdown text, with links and commands; nothing in the words themselves is markup."""
     match words:
         case tuple():
             return "".join(map(inline, words))

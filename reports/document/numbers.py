@@ -23,7 +23,7 @@ def figure(value: float | None, digits: int = 4) -> str:
 
 
 def printed(value: float) -> str:
-    """A value as text in at most six digits, without digits it does not have: 8.3e-5, 0.16, 24."""
+    """A finite value as text in at most six digits, without digits it does not have: 8.3e-5, 0.16, 24."""
     if value == 0.0:
         return "0"
     if not SMALLEST <= abs(value) < LARGEST:
@@ -32,12 +32,15 @@ def printed(value: float) -> str:
 
 
 def _without_exponent(text: str) -> str:
-    """A number's text without exponent or trailing point."""
+    """A number's text, given with or without exponent, without one and without a trailing point."""
     return f"{float(text):.0f}" if "e" in text else text.removesuffix(".")
 
 
 def _scientific(value: float, digits: int, *, trailing: bool = True) -> str:
-    """A value to so many digits with an exponent that is not padded, and its ``trailing`` zeros or not."""
+    """A finite value to so many significant digits, with an exponent that is not padded, as text: 1.20e-5.
+
+    Without ``trailing`` the zeros at the end of its digits go: 1.2e-5.
+    """
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa if trailing else f'{float(mantissa):g}'}e{int(exponent)}"
 
@@ -52,7 +55,7 @@ def error(value: float | None) -> str:
 
 
 def steady_error(value: float | None) -> str:
-    """A deviation as ``error`` has it; of round-off only that it is less.
+    """A deviation as text as ``error`` has it; below 1e-13, which is round-off, "< 1e-13".
 
     Its digits say nothing and differ from machine to machine.
     """
@@ -70,7 +73,7 @@ def decade(value: float) -> str:
 
 
 def seconds(value: float) -> str:
-    """A time, s, as text to three significant digits, in s or ms."""
+    """A time, s, as text to three significant digits with its unit, in s or, below 1 s, in ms."""
     return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"
 
 
@@ -94,7 +97,10 @@ PLAIN = {
 
 
 def accept_any_text() -> None:
-    """Make stdout and stderr replace characters that they cannot encode by plain signs, not fail."""
+    """Make stdout and stderr replace characters that they cannot encode by plain signs, not fail.
+
+    Registers "linkproof.plain", a handler of coding errors.
+    """
     codecs.register_error("linkproof.plain", _replacement)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -102,7 +108,10 @@ def accept_any_text() -> None:
 
 
 def _replacement(fault: UnicodeError) -> tuple[str, int]:
-    """Plain signs for characters that the stream cannot encode, and the position to go on at; raises other faults."""
+    """Plain signs, "?" for those without one, for characters that a stream cannot encode, and the position to go on at.
+
+    It is a handler of coding errors; raises those of decoding.
+    """
     if not isinstance(fault, UnicodeEncodeError):
         raise fault
     return "".join(PLAIN.get(sign, "?") for sign in fault.object[fault.start : fault.end]), fault.end

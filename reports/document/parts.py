@@ -111,7 +111,7 @@ class Table:
 class PageFigure:
     """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
 
-    ``alt`` is for a reader without pictures; ``drawing`` draws.
+    ``alt`` is for a reader without pictures; ``drawing``, called when the page is written, returns the figure.
     """
 
     name: str
@@ -155,7 +155,7 @@ class Fold:
 
 @dataclass(frozen=True)
 class Card:
-    """A box among others: a heading, which may lead to a page of its own, and parts."""
+    """A box among others: a heading, which may lead to a page of its own, and parts under it."""
 
     heading: Words
     parts: tuple[Part, ...]

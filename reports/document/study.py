@@ -40,25 +40,25 @@ class Study:
     """The files that the function has written."""
 
     def printout(self) -> Printout:
-        """The output of the command; each study has its own."""
+        """The output of the command; each study has its own, else raises NotImplementedError."""
         raise NotImplementedError
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The data that the command prints as JSON; each study has its own."""
+        """The data that the command prints as JSON; each study has its own, else raises NotImplementedError."""
         raise NotImplementedError
 
     def json(self) -> str:
-        """The output of ``to_dict`` as JSON text."""
+        """The output of ``to_dict`` as JSON text; raises ValueError for a number that is not finite."""
         from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
 
         return to_json(self.to_dict())
 
     def brief(self) -> Sequence[Printed]:
-        """The parts that a quiet command prints above the closing lines; none by default."""
+        """The parts that a quiet command prints above the closing lines; () by default."""
         return ()
 
     def sentence(self) -> Printed:
-        """The outcome in a sentence: the first brief part, or the last closing line."""
+        """The outcome in a sentence: the first brief part, or else the last closing line."""
         return next(iter(self.brief()), None) or self.printout().closing[-1]
 
     @property
@@ -75,7 +75,7 @@ class Study:
         """Raise LinkproofError where there is nothing to show; by default, do nothing."""
 
     def failures(self) -> Iterable[str]:
-        """A line for every result that makes ``check`` fail; none by default."""
+        """A line for every result that makes ``check`` fail; () by default."""
         return ()
 
     def check(self) -> Study:
@@ -90,7 +90,7 @@ class Study:
         raise LinkproofError(f"a {type(self).__name__} has no picture: print it")
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """The rows of its table, by the names of the columns; by default ``to_dict`` alone."""
+        """The rows of its table, a mapping by the names of the columns each; by default ``to_dict`` alone."""
         return [self.to_dict()]
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -100,7 +100,10 @@ class Study:
         return pd.DataFrame(self.rows())
 
     def content(self, suffix: str, *_: Any, **form: Any) -> Content:  # noqa: ANN401 - of each study its own
-        """The content of a file with this suffix, a picture of ``plot``, else the JSON; ``form`` goes to ``plot``."""
+        """The content of a file with this suffix, such as ".svg": a picture of ``plot``, else the JSON text.
+
+        ``form`` goes to ``plot`` as keywords; raises LinkproofError where the study has no picture.
+        """
         if suffix in PICTURES:
             from reports.charts.draw import picture  # noqa: PLC0415 - a second that other files save
 
@@ -110,7 +113,8 @@ class Study:
     def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401 - of each study its own
         """Write files in the formats of their suffixes, once every content is made; returns their paths.
 
-        ``form`` goes to ``content``. Raises LinkproofError for a file that cannot be written.
+        ``form`` goes to ``content`` as keywords. Raises LinkproofError for a suffix that the study lacks and for a file
+        that cannot be written.
         """
         paths = [Path(file) for file in files]
         check_saves(paths, self.suffixes)
@@ -148,8 +152,9 @@ def check_saves(
 ) -> None:
     """Raise LinkproofError for a file of ``--save`` that cannot be written, as where its folder is missing.
 
-    So too for one twice, one without its package, and one that is read: ``read`` are the files to read, among other
-    words. ``suffixes`` are those allowed; ``made`` is a folder that will be there.
+    So too for one twice, one without its package, one that is read, and one whose suffix is not among the ``suffixes``;
+    any will do if there are none. ``read`` are the files to read, among other words; ``made`` is a folder that will be
+    there.
     """
     places, read_places = dict[str, Path](), {os.path.realpath(word) for word in read}
     for file in files:
@@ -172,7 +177,7 @@ def check_saves(
 def check_file(option: str, file: Path, suffixes: Sequence[str] = (), made: Path | None = None) -> None:
     """Raise LinkproofError for a file of an option that cannot be written or has none of the ``suffixes``.
 
-    Any suffix will do if there are none. ``made`` is a folder that will be there.
+    Any suffix will do if there are none. ``option`` names it in the message; ``made`` is a folder that will be there.
     """
     if suffixes and file.suffix.lower() not in suffixes:
         one = f"one of {', '.join(suffixes)}" if len(suffixes) > 1 else suffixes[0]

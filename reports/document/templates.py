@@ -24,27 +24,36 @@ SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w
 
 
 def render(template: str, **values: object) -> Markup:
-    """A page template of ``reports/templates``, by its file's name, filled in with values."""
+    """A page template of ``reports/templates``, by its file's name, filled in with values, as markup.
+
+    Raises Jinja's UndefinedError for a value that the template lacks.
+    """
     return Markup(_environment().get_template(template).render(**values))
 
 
 def lines(macro: str, **values: object) -> list[str]:
     """The sentences of one macro of ``sentences.txt`` with these values, a line each, as plain text.
 
-    Empty lines left out.
+    Empty lines are left out. Raises an error of Jinja for a macro that there is not or a value that it lacks.
     """
     names = str(getattr(_sentences(macro), macro)(**values)).splitlines()
     return [" ".join(line.split()) for line in names if line.strip()]
 
 
 def sentence(macro: str, **values: object) -> str:
-    """The sentences of one macro with these values as one paragraph; "" if it has none."""
+    """The sentences of one macro of ``sentences.txt`` with these values as one paragraph; "" if it has none.
+
+    Raises as ``lines`` does.
+    """
     return " ".join(lines(macro, **values))
 
 
 @cache
 def _sentences(macro: str) -> Any:  # noqa: ANN401 - a template's module
-    """The compiled macro; each is compiled alone, since all of them take a quarter of a second."""
+    """The module of a compiled macro, which has it as an attribute; kept once made.
+
+    Each macro is compiled alone, with those that it uses, since all of them take a quarter of a second.
+    """
     _, *texts = MACRO.split((FOLDER / "sentences.txt").read_text(encoding="utf-8"))
     known = dict(zip(texts[::2], texts[1::2], strict=True))
     used = [macro]
@@ -55,7 +64,7 @@ def _sentences(macro: str) -> Any:  # noqa: ANN401 - a template's module
 
 @cache
 def _environment() -> jinja2.Environment:
-    """Jinja's environment of the page templates; a missing value is an error."""
+    """Jinja's environment of the page templates, kept once made; a missing value is an error."""
     import jinja2  # noqa: PLC0415 - a table needs none of it
 
     environment = jinja2.Environment(
@@ -78,7 +87,7 @@ def enumerated(names: Sequence[str]) -> str:
 
 
 def plain(name: str) -> str:
-    """A name for a reader: "joint_force" is "joint force"."""
+    """A name for a reader, spaces for its underscores: "joint_force" is "joint force"."""
     return name.replace("_", " ")
 
 
@@ -100,6 +109,6 @@ def worded(quantity: str) -> str:
 
 
 def _signal(name: str) -> str:
-    """A signal's name in words: "x of point F"."""
+    """A signal's name in words, "x of point F" for "point:F:x"; any other name with " of " for its colons."""
     part = SIGNAL.fullmatch(name)
     return f"{part['what']} of {part['kind']} {part['owner']}" if part else name.replace(":", " of ")

@@ -31,7 +31,10 @@ class Printout(NamedTuple):
 
 
 def show(*parts: Printed, stderr: bool = False) -> None:
-    """Print parts one below the other on stdout or, with ``stderr``, there; print nothing without parts."""
+    """Print parts one below the other on stdout or, with ``stderr``, there; print nothing without parts.
+
+    On a terminal they are in colour and folded to its width.
+    """
     if not parts:
         return
     screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
@@ -42,7 +45,7 @@ def show(*parts: Printed, stderr: bool = False) -> None:
 
 
 def write(text: str, stream: TextIO) -> None:
-    """Write text to a stream; once its reader has left, nothing more is written, without an error."""
+    """Write text to a stream and flush it; once its reader has left, nothing more is written, without an error."""
     try:
         stream.write(text)
         stream.flush()
@@ -51,7 +54,7 @@ def write(text: str, stream: TextIO) -> None:
 
 
 def rendered(*parts: Printed, width: int = UNBOUNDED) -> str:
-    """The parts as text for a pipe, at most ``width`` wide: no colours, no spaces at the ends of lines."""
+    """The parts as text for a pipe, at most ``width`` columns wide: no colours, no spaces at the ends of lines."""
     screen = Console(width=width, no_color=True, force_terminal=False, markup=False, emoji=False, highlight=False)
     with screen.capture() as captured:
         screen.print(*_lines(parts), sep="\n")
@@ -64,7 +67,7 @@ def harmless(text: str) -> str:
 
 
 def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
-    """Yield the parts as Rich's texts and grids."""
+    """Yield the parts as Rich's texts and grids, several for a table with caption or note."""
     for part in parts:
         if isinstance(part, Table):
             yield from _table(part)
@@ -95,5 +98,5 @@ def _cell(cell: TableCell | Words) -> Text:
 
 
 def _text(words: Words, colour: str = "") -> Text:
-    """Words as Rich's text, control characters escaped."""
+    """Words as Rich's text, control characters escaped, in a ``colour``, a style of Rich's or ""."""
     return Text(harmless(as_text(words)), style=colour)
