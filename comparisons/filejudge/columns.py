@@ -18,7 +18,10 @@ TIME: Final = "time"  # an axis, which the closed form has under no name of its 
 
 @dataclass(frozen=True)
 class Correction:
-    """A correction that a mapping may accept: ``sign * factor * value + offset`` at the time + ``time_shift``; SI."""
+    """A correction that a mapping may accept: ``sign * factor * value + offset`` at the time + ``time_shift``; SI, s.
+
+    ``sign`` is 1 or -1, ``factor`` positive. By default nothing is corrected.
+    """
 
     sign: int = 1
     factor: float = 1.0
@@ -111,9 +114,9 @@ class Evidence(SignalTimes):
     header: float = 1.0
 
     def thinned(self, most: int, worst: int = 0) -> Evidence:
-        """The evidence at up to ``most`` samples, equally spread, and the ``worst`` samples farthest off.
+        """A copy of the evidence at up to ``most`` samples, evenly spread, and the ``worst`` samples farthest off.
 
-        Itself if it has no more.
+        With no more samples than ``most`` it has all of them.
         """
         few = np.arange(0, len(self.time), -(-len(self.time) // most))
         if worst and len(few) < len(self.time):
@@ -136,8 +139,9 @@ class Evidence(SignalTimes):
 class ImportedResults:
     """Signals of a linkage read from result files.
 
-    ``corrections`` are those agreed to, by the names of signals; ``read`` has every column that was read, axes too: its
-    signal, the column in the unit it was read in, the unit's SI value, and what was assumed.
+    ``not_judged`` are columns, each with the reason. ``corrections`` are those agreed to, by the names of signals;
+    ``read`` has every column that was read, axes too: its signal, the column in the unit it was read in, the unit's SI
+    value, and what was assumed.
     """
 
     signals: tuple[ImportedSignal, ...]
@@ -146,7 +150,10 @@ class ImportedResults:
     read: tuple[tuple[str, Column, float, str], ...] = ()
 
     def written(self, signal: str, correction: Correction) -> str:
-        """The ``--map`` option that states a correction of a signal's column, quoted for a shell."""
+        """The ``--map`` option that states a correction of a signal's column, quoted for a shell.
+
+        As in ``--map "Torque=-1000*Mkr [N*mm] + 5 @ +0.001 s"``. Raises StopIteration for a signal that was not read.
+        """
         column, value = next((column, value) for name, column, value, _ in self.read if name == signal)
         unit, factor = f" [{column.unit}]", 1.0 / correction.factor
         offset = -correction.sign * correction.offset * factor / value

@@ -68,7 +68,10 @@ class ColumnMotion(CrankMotion):
 
     @cached_property
     def doubt(self) -> float:
-        """The largest difference of its acceleration, rad/s², from those of columns that would be printed alike."""
+        """The largest difference of its acceleration, rad/s², from those of columns that would be printed alike.
+
+        Raises ValueError without motions ``likewise``.
+        """
         time = np.linspace(0.0, self.duration, 501)
         return max(float(np.max(np.abs(o.acceleration(time) - self.acceleration(time)))) for o in self.likewise)
 
@@ -93,7 +96,7 @@ class _Samples:
         return float(self.time[-1])
 
     def thinned(self, most: int) -> _Samples:
-        """At most ``most`` of the samples, equally spread over the same duration."""
+        """At most ``most`` of the samples, evenly spread, the first and the last among them."""
         few = np.unique(np.linspace(0, len(self.time) - 1, min(most, len(self.time))).astype(int))
         return replace(self, time=self.time[few], values=self.values[few], rounding=self.rounding[few])
 
@@ -109,12 +112,18 @@ class _Samples:
 
 
 def motion_of_angles(time: Array, angle: Array, resolution: Array) -> ColumnMotion:
-    """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution."""
+    """The motion behind a column of crank angles (n,), rad, at times (n,), s, each rounded within its resolution.
+
+    ``resolution`` (n,) is the largest error of each, rad. Angles have no jumps of a turn.
+    """
     return _motion(time, angle, resolution, 0.0, of_speed=False)
 
 
 def motion_of_speeds(time: Array, speed: Array, resolution: Array, start_angle: float = 0.0) -> ColumnMotion:
-    """The motion behind crank speeds (n,), rad/s, each rounded within its ``resolution``; starts at an angle, rad."""
+    """The motion behind crank speeds (n,), rad/s, each within its ``resolution`` (n,); starts at ``start_angle``, rad.
+
+    ``time`` (n,) is in s.
+    """
     return _motion(time, speed, resolution, start_angle, of_speed=True)
 
 
@@ -138,7 +147,11 @@ def _motion(time: Array, values: Array, resolution: Array, start_angle: float, *
 
 @dataclass(frozen=True)
 class KnownFit:
-    """A motion of a ``family`` fitted to samples: its time, s, its size, that of a shape in 1 s, and its start."""
+    """A motion of a ``family`` fitted to samples: ``start`` plus ``size`` times the family's column of size 1.
+
+    ``time``, s, is that of the ramp or of one way. A run-up of size 1 has the speed 1 rad/s, in a column of angles the
+    speed 1 over ``time``; a swing's travel is 1 rad, in a column of speeds ``time``.
+    """
 
     samples: _Samples
     family: str
@@ -163,7 +176,7 @@ class KnownFit:
         return self.largest <= SLACK
 
     def likewise(self) -> list[KnownFit]:
-        """Fits of this family to trial columns that would be printed as this one."""
+        """Fits of this family to trial columns that would be printed as this one, of at most MOST_SAMPLES samples."""
         few = self.samples.thinned(MOST_SAMPLES)
         first = float(self.samples.values[0]) / (ROUND_MULTIPLE * float(np.max(self.samples.rounding)))
         is_exact = self.largest < EXACT_SHARE and abs(first - round(first)) < EXACT_SHARE
@@ -193,7 +206,10 @@ class KnownFit:
 
 @lru_cache
 def _one_way(law: str) -> CrankMotion:
-    """The motion of a law that takes 1 s to speed 1 or travel 1, followed by a long time of steady turning or rest."""
+    """The motion of a law that takes 1 s to speed 1 or travel 1, followed by a long time of steady turning or rest.
+
+    It is cached.
+    """
     rest = 2.0 / SHORTEST_TIME
     if law in RUN_UPS:
         return crank_motion(law, speed=1.0, ramp_time=1.0, hold_time=rest)
@@ -223,7 +239,10 @@ def known_fit(samples: _Samples) -> KnownFit | None:
 
 
 def _fit(samples: _Samples, family: str) -> KnownFit | None:
-    """The fit of a family that is within the rounding of all samples; None where there is none."""
+    """The fit of a family that is within the rounding of all samples; None where there is none.
+
+    Few samples rule a family out, more are fitted, all are compared.
+    """
     few, longest = samples.thinned(FEW_SAMPLES), _longest(samples, family)
     tried = np.linspace(SHORTEST_TIME * samples.duration, longest, 1 if family == CONSTANT else TRIED_TIMES)
     coarse = [_fit_with_time(few, family, float(time)) for time in tried]
@@ -235,7 +254,7 @@ def _fit(samples: _Samples, family: str) -> KnownFit | None:
 
 
 def _longest(samples: _Samples, family: str) -> float:
-    """The longest ramp or swing time, s, that fits the column: no dwell or hold is left."""
+    """The longest ramp or time of one way, s, that fits the column: no dwell or hold is left."""
     return (0.5 if family.endswith(BACK) else 1.0) * samples.duration
 
 
@@ -291,7 +310,8 @@ def _fit_with_time(samples: _Samples, family: str, time: float) -> KnownFit:
 def _splines(samples: _Samples, start_angle: float) -> ColumnMotion:
     """The motion as a spline, with corners of the acceleration if these suffice, and those of the trial columns.
 
-    One of speeds begins at ``start_angle``, rad; to one of angles it is added.
+    One of speeds begins at ``start_angle``, rad; to one of angles it is added. A long column that is rougher than its
+    rounding is fitted within its noise.
     """
     noise = samples.rounding
     if len(samples.time) > MANY_SAMPLES:  # of a smooth column so finely sampled these differences are its noise
@@ -323,9 +343,9 @@ def _smooth(samples: _Samples, degree: int) -> scipy.interpolate.BSpline:
 
 
 def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | None:
-    """The knots of constant accelerations that a column is within its rounding; None where there are none.
+    """The knots of constant accelerations, s, that a column is within its rounding; None where there are none.
 
-    They are sought where the acceleration of a ``smooth`` spline changes fastest.
+    They are sought where the acceleration of a ``smooth`` spline changes fastest, at most MOST_CORNERS.
     """
     time, degree = samples.time, 2 - samples.of_speed
     jerk = np.abs(smooth.derivative(degree + 1)(time))
@@ -356,7 +376,10 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
 
 
 def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name: str) -> CrankMotion:
-    """The motion, named ``name``, with the pieces of a spline of angles, rad, to which ``start_angle`` is added."""
+    """The motion, named ``name``, with the pieces of a spline of angles, rad, over time, s.
+
+    ``start_angle``, rad, is added to its angles.
+    """
     pieces = scipy.interpolate.PPoly.from_spline(curve)
     spans = zip(pieces.x.tolist(), pieces.x[1:].tolist(), pieces.c[::-1].T.tolist(), strict=False)
     every = [(start, end, numbers) for start, end, numbers in spans if end > start]
@@ -366,9 +389,9 @@ def _motion_of_spline(curve: scipy.interpolate.BSpline, start_angle: float, name
 
 
 def unwrap_angles(angle: Array) -> Array:
-    """Angles, rad or degrees, without the jumps of a whole turn that a tool makes at ±180° or 360°.
+    """Angles (n,), rad or degrees, without the jumps of a whole turn that a tool makes at ±180° or 360°.
 
-    Which unit it is shows in their range; those that span more are unchanged.
+    Which unit it is shows in their range; those that span more than a turn are returned unchanged.
     """
     turn = next((turn for turn in (2.0 * math.pi, 360.0) if np.ptp(angle) <= SLACK * turn), None)
     return np.asarray(np.unwrap(angle, period=turn) if turn else angle)
@@ -377,8 +400,8 @@ def unwrap_angles(angle: Array) -> Array:
 def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
     """Equal steps in place of instants or angles (n,) that are equal but for rounding, and their doubt, (n,).
 
-    The doubt is then that of a mean of n roundings; a step that is printed in full leaves none. Others are returned
-    with their own ``resolution``.
+    The ``resolution`` (n,) is the rounding of each, in the same unit. The doubt is then that of a mean of n roundings;
+    a step that is printed in full leaves none. Others are returned as they are, with their own ``resolution``.
     """
     number = np.arange(len(at))
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))

@@ -66,9 +66,10 @@ NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fault with its numbers, and what it leaves of each signal's difference, relative to the signal's tolerance.
+    """A fault with its numbers (k,), and what it leaves of each signal's difference, over the signal's tolerance.
 
-    ``digits`` are those of its number: 0 for a usual one or none, fewer for a round one.
+    ``rms`` and ``largest`` are (columns,), infinite where too much is open. ``digits`` are those of its number: 0 for a
+    usual one or none, fewer for a round one.
     """
 
     fault: Hypothesis
@@ -100,7 +101,7 @@ class Fit:
         return kind, self.digits
 
     def applied(self, simulation: Simulation) -> Simulation:
-        """The simulation with this fault and these numbers in it."""
+        """A copy of the simulation with this fault and these numbers; raises LinkproofError where it cannot be so."""
         return simulation.with_values(self.fault.targets(*self.numbers))
 
 
@@ -116,7 +117,7 @@ class Fitting:
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
         """Residuals (n,) of every column with a fault at these numbers, over its tolerance; None if impossible.
 
-        A residual is nan where the fault leaves a sample open.
+        The numbers are in the hypothesis' own units. A residual is nan where the fault leaves a sample open.
         """
         remains = list(self.before)
         try:
@@ -134,9 +135,10 @@ class Fitting:
         return remains
 
     def _residual(self, number: int, curve: Array, moved: DriverMotion | None) -> Array:
-        """The residual of column ``number`` from ``curve`` (n,), over its tolerance; nan where it is not counted.
+        """The residual (n,) of column ``number`` from ``curve`` (n,), SI, over its tolerance; nan if not counted.
 
-        So it is beside jumps of a motion that has ``moved``, unless the sample is over even so.
+        Of an angle whole turns are left out. Near jumps of a motion ``moved``, if there is one, it is nan, too, but for
+        a sample that is over even so.
         """
         signal = self.evidence[number]
         apart = signal.values - curve
@@ -156,7 +158,7 @@ class Fitting:
         return _fit_of(fault, exact, self.residuals(fault, exact), digits)
 
     def best(self, fault: Hypothesis) -> Fit | None:
-        """The best fit of a fault, with usual numbers where they leave as little; None if it cannot be."""
+        """The best fit of a fault, with usual numbers where they leave nearly as little; None if it is impossible."""
         measured = _OnALine(self, fault) if self._is_linear(fault) else self
         usual = (measured.evaluate(fault, numbers, 0) for numbers in fault.usual or ((),) * (not fault.start))
         if not fault.start:
@@ -170,7 +172,7 @@ class Fitting:
     def rounded(self, fit: Fit) -> Fit:
         """A fit with its one number as round as the file allows, in the unit in which it is written.
 
-        Else the fit itself.
+        Else the fit itself: one of several numbers, of a usual number, or of a number without unit.
         """
         unit = fit.fault.unit
         if not unit or len(fit.numbers) != 1 or not fit.digits:
@@ -189,7 +191,7 @@ class Fitting:
     def _best_guesses(self, fault: Hypothesis) -> Sequence[float | Numbers]:
         """The numbers to fit from: the fault's guesses or else its start.
 
-        Of many those that come nearest to the file.
+        Of more than MOST_GUESSES those that come nearest to the file.
         """
         if len(fault.guesses) <= MOST_GUESSES:
             return fault.guesses or (fault.start,)
@@ -198,7 +200,7 @@ class Fitting:
         return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
     def _fitted(self, fault: Hypothesis, guess: Array) -> Fit | None:
-        """The least-squares fit of a fault's numbers from a guess to what it changes; None if it cannot be simulated.
+        """The least-squares fit of a fault's numbers from a guess (k,) to the columns it changes; None if impossible.
 
         It ends early where the first steps explain no column by half.
         """
@@ -207,9 +209,9 @@ class Fitting:
         seen: dict[bytes, list[Array] | None] = {here.tobytes(): self.before} if is_start else {}
 
         def remains(step: Array) -> Array | None:
-            """The residuals of the columns that change, each weighted alike however many samples it has.
+            """The residuals of the columns that change, joined, each weighted alike however many samples it has.
 
-            None if impossible.
+            ``step`` (k,) is the way from the guess, in the fault's sizes. Each is computed once. None if impossible.
             """
             key, numbers = step.tobytes(), guess + sizes * step
             if key not in seen:
@@ -218,14 +220,20 @@ class Fitting:
             return None if parts is None else np.concatenate([parts[n] / np.sqrt(len(parts[n])) for n in changing])
 
         def known(step: Array) -> Array:
-            """The residuals as the solver takes them: 0 where open, IMPOSSIBLE where the fault cannot be."""
+            """The residuals at a ``step`` (k,) for the solver: 0 where open, IMPOSSIBLE where the fault cannot be.
+
+            A step is the way from the guess, in the fault's sizes.
+            """
             values = remains(step)
             if values is None:
                 return np.full(sum(len(self.before[n]) for n in changing), IMPOSSIBLE)
             return np.nan_to_num(values)
 
         def slopes(step: Array) -> Array:
-            """Derivatives of the residuals by the steps, (n, numbers), by one-sided differences."""
+            """Derivatives of the residuals by the ``step`` (k,), in the fault's sizes: (n, k).
+
+            They are one-sided differences.
+            """
             base, beside = remains(step), [remains(step + axis) for axis in axes]
             rises = [0.0 * known(step) if base is None or other is None else other - base for other in beside]
             return np.nan_to_num(np.stack(rises, axis=1) / DIFFERENCE_STEP)
@@ -266,7 +274,7 @@ class _OnALine(Fitting):
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
         """Residuals (n,) of every column, as a linear function of the fault's numbers; simulated where that failed.
 
-        None where they cannot be simulated either.
+        ``fault`` is the one given at the start. None where they cannot be simulated either.
         """
         remains = list(self.before)
         for end, share in zip(self.ends, (np.asarray(numbers) - self.start) / self.sizes, strict=True):
@@ -281,9 +289,9 @@ class _OnALine(Fitting):
 def _fit_of(
     fault: Hypothesis, numbers: Iterable[float], residuals: list[Array] | None, digits: int = NOT_ROUND
 ) -> Fit | None:
-    """The fit with these residuals: infinite in a column where too much is open; None without residuals.
+    """The fit with these residuals, (n,) of each column; None without residuals.
 
-    ``digits`` is how round its number is.
+    It is infinite in a column where more than MOST_OPEN of them are nan. ``digits`` is how round its number is.
     """
     if residuals is None:
         return None
@@ -302,7 +310,7 @@ def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
 
 
 def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
-    """Whether a fit leaves of each column at most ``times`` what the ``best`` one leaves, or at most the rounding."""
+    """Whether a fit leaves of each column at most ``times`` what the ``best`` one leaves, or at most its tolerance."""
     return bool(np.all(fit.rms <= np.maximum(times * best.rms, 1.0)))
 
 
@@ -310,9 +318,9 @@ def _is_as_good(fit: Fit, best: Fit, times: float) -> bool:
 class FaultFinding:
     """Signals that one cause explains, by its names: the likeliest and the ``others`` that fit as well.
 
-    ``left`` is what it leaves of their error, over the peaks that they have in the file; ``fully`` whether that is
-    within the rounding. ``aligned`` are corrections of sign and unit without which it does not fit, ``corrections``
-    those for the mapping: these, and what undoes the likeliest cause.
+    ``left`` is the largest error that it leaves, as a share of the peaks that the signals have in the file; ``fully``
+    whether that is within the rounding. ``aligned`` are corrections of sign and unit, by signal, without which it does
+    not fit, ``corrections`` those for the mapping: these, and what undoes the likeliest cause.
     """
 
     signals: tuple[str, ...]
@@ -331,7 +339,7 @@ class FaultFinding:
 
 @dataclass(frozen=True)
 class Explanation:
-    """The causes of differences, and the signals that differ without one."""
+    """The causes of differences, and the names of signals that differ without one."""
 
     findings: tuple[FaultFinding, ...]
     unexplained: tuple[str, ...]
@@ -342,7 +350,8 @@ def explain(
 ) -> Explanation:
     """The Explanation of all differences beyond rounding; ``names`` are signals that a column may be taken for.
 
-    ``column`` gives the crank's motion, if the file has it. Causes that fit once sign or unit are corrected count, too.
+    ``column`` is that which gives the crank's motion, None where the motion is stated. Causes that fit only once sign
+    or unit are corrected count, too.
     """
     raw = _explain_as_read(simulation, evidence, names, column)
     partly = {name for finding in raw.findings if finding.left > PARTLY for name in finding.signals}
@@ -373,7 +382,7 @@ def _merge_findings(raw: Explanation, again: Explanation, estimates: Mapping[str
 def estimate_correction(evidence: Evidence) -> Correction | None:
     """The correction of a signal's sign and unit, its other faults aside.
 
-    None where none is needed or it is unclear.
+    None where none is needed, or where signal and closed form are not similar enough to tell.
     """
     values, truth = evidence.values[evidence.counted], evidence.truth[evidence.counted]
     size = float(np.sqrt(np.sum(values**2) * np.sum(truth**2)))
@@ -389,7 +398,7 @@ def estimate_correction(evidence: Evidence) -> Correction | None:
 
 
 def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evidence:
-    """The evidence with a signal's sign and factor corrected, its rounding with them; itself for None."""
+    """A copy of the evidence with a signal's sign and factor corrected, its rounding with them; itself for None."""
     if correction is None:
         return evidence
     factor = correction.sign * correction.factor
@@ -406,7 +415,7 @@ def _explain_as_read(
 ) -> Explanation:
     """The causes of the differences of columns as they are: one by one the cause that explains most signals.
 
-    ``names`` and ``column`` are as for ``explain``.
+    Where too many causes fit alike none is named. ``names`` and ``column`` are as for ``explain``.
     """
     open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
@@ -448,7 +457,7 @@ class _Search:
         self.floor = np.array([ROUNDED * float(np.sqrt(np.mean(s**2))) if len(s) else 0.0 for s in shares]) + 1e-4
 
     def fits(self, names: Sequence[str], open_names: Sequence[str]) -> list[Fit]:
-        """The fits of all hypotheses that do no harm; ``names`` are signals that a column may be taken for.
+        """The fits, to all samples, of all hypotheses that do no harm; ``names`` are signals a column may be taken for.
 
         Slow hypotheses are tried only while no setting explains everything, and numbers only where no column of the
         motion is right; for a linkage computed by iteration, only while nothing explains everything that is among
@@ -487,7 +496,10 @@ class _Search:
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
     def make_finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
-        """The finding with the likeliest of ``rivals``, fits that explain the signals ``names``, and those as good."""
+        """The finding with the likeliest of ``rivals``, fits that explain the signals ``names``, and those as good.
+
+        Numbers are as round as the file allows.
+        """
         places = [self.places[name] for name in names]
         least = min(rivals, key=lambda fit: self.log_remainder(fit, names))
         bound = ALIKE * np.maximum(least.rms[places], self.floor[places])
@@ -502,7 +514,7 @@ class _Search:
 
 
 def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
-    """Rivals to name beside the best fit, as an iterator in their order.
+    """Rivals to name beside the best fit, as an iterator in the order of ``others``.
 
     Beside a column or setting they are those up to one number, else up to several. Freer ones, such as a factor that no
     unit explains, are left out, unless the best one is as free.
@@ -515,8 +527,8 @@ def _rivals_to_report(best: Fit, others: Iterable[Fit]) -> Iterator[Fit]:
 def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None) -> dict[str, Correction]:
     """The corrections that undo a cause, by the names of the signals whose columns are corrected.
 
-    Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis. {} for a cause
-    that lies in the model.
+    Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis; a shift of all
+    clocks is one of every signal in ``signals``, or of "time" without a column. {} for a cause that lies in the model.
     """
     knobs: dict[str, dict[str, Any]] = {}
     for target, value in fit.fault.targets(*fit.numbers).items():
@@ -541,14 +553,17 @@ def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None)
 
 
 def _undone(scale: float, offset: float, shift: float) -> Correction:
-    """The correction that undoes a scale, an offset and a shift in time, s, of a column."""
+    """The correction that undoes a column's ``scale``, with its own ``offset``, SI, and ``shift``, s."""
     return Correction(-1 if scale < 0.0 else 1, 1.0 / abs(scale), float(shift), float(offset))
 
 
 def proposals(
     explanation: Explanation, columns: Iterable[str], agreed: Mapping[str, Correction]
 ) -> dict[str, Correction]:
-    """The corrections of the likeliest causes by the names of ``columns``, each after the one ``agreed`` to before."""
+    """The corrections of the likeliest causes by the names of ``columns``, each after the one ``agreed`` to before.
+
+    The two are composed to one. Of two causes for one column the first counts; others than ``columns`` are left out.
+    """
     known, found = set(columns), dict[str, Correction]()
     for name, correction in (pair for finding in explanation.findings for pair in finding.corrections.items()):
         if name in known:

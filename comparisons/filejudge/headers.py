@@ -54,7 +54,7 @@ COMPONENTS: Final = frozenset({"x", "y", "z", "magnitude"})  # each of which has
 
 
 def plain_letters(text: str) -> str:
-    """A text in lower case, without accents and the marks of letters."""
+    """A text in lower case, without accents and the marks of letters; ł and ø become l and o."""
     decomposed = unicodedata.normalize("NFKD", text.casefold())
     letters = "".join(c for c in decomposed if not unicodedata.combining(c) or c in "\u3099\u309a")
     return unicodedata.normalize("NFC", letters).replace("ł", "l").replace("ø", "o")
@@ -71,7 +71,7 @@ def split_tokens(text: str) -> list[str]:
 
 
 def _merge_meanings(pairs: Iterable[tuple[tuple[str, ...], str]]) -> Table:
-    """The table of all meanings of each group of words, from pairs of a group and one meaning."""
+    """The table of all meanings of each group of words, from pairs of such a tuple of words and one meaning."""
     table: dict[tuple[str, ...], Meanings] = defaultdict(frozenset)
     for texts, meaning in pairs:
         table[texts] |= {meaning}
@@ -94,7 +94,7 @@ def name_meanings(names: Iterable[str]) -> Table:
 
 
 def _name_key(texts: Iterable[str]) -> tuple[str, ...]:
-    """The key of a name in a table of meanings: its words in lower case, but for single letters."""
+    """The key of a name in a table of meanings: its words, those of more than one letter in lower case."""
     return tuple(word if len(word) == 1 else word.casefold() for word in texts)
 
 
@@ -150,7 +150,7 @@ class Unit:
 
 
 def _units_by_name() -> dict[str, Unit]:
-    """The table of all known units, by each of their names."""
+    """The table of all known units, by each of their names, as written: those of linkage files and of the TOML file."""
     units: dict[str, Unit] = {}
     for kind, dimension in _UNITS_FILE["dimensions"].items():
         values = {**UNITS.get(kind, {}), **_UNITS_FILE.get(kind, {})}
@@ -170,7 +170,7 @@ LONGEST_UNIT: Final = 40  # characters of a unit
 
 
 def _find_unit(name: str) -> Unit | None:
-    """The unit of a name, as written or else in any case; None for an unknown name."""
+    """The unit of a name, as written or else, beyond one letter, in any case; None for an unknown name."""
     return UNITS_BY_NAME.get(name) or _UNITS_BY_LOWER_CASE.get(name.lower())
 
 
@@ -178,7 +178,7 @@ def _find_unit(name: str) -> Unit | None:
 def parse_unit(text: str) -> Unit | None:
     """The unit that a text names, such as ``a*b/c^2``; None if it names none. "-" is the unit of plain numbers.
 
-    There may be one solidus only, as two are ambiguous.
+    There may be one solidus only, as two are ambiguous, and powers from -4 to 4.
     """
     text = text.strip()
     if not text or len(text) > LONGEST_UNIT:
@@ -205,7 +205,10 @@ class NotJudgedError(LinkproofError):
 
 @dataclass(frozen=True)
 class Meaning:
-    """The signal that a column means, its unit (None: the header states none), and the assumption made, "" for none."""
+    """The signal that a column means, its unit (None: the header states none), and the assumption made, "" for none.
+
+    ``printed`` is the unit as the header has it.
+    """
 
     signal: str
     unit: Unit | None
@@ -215,7 +218,10 @@ class Meaning:
 
 @dataclass(frozen=True)
 class _Vocabulary:
-    """The vocabulary of a signal: words for its ``quantity``, each set that it ``needs`` one of, and all ``words``."""
+    """The vocabulary of a signal, as meanings: of its ``quantity``, sets that it ``needs`` one of each, and all.
+
+    ``words`` are all meanings that are true of the signal.
+    """
 
     quantity: Meanings
     needs: tuple[Meanings, ...]
@@ -225,7 +231,8 @@ class _Vocabulary:
 def splits(header: str, unit: str) -> Iterator[tuple[str, str]]:
     """Yield ways to divide a header into name and unit, the likeliest first; the unit is "" where there is none.
 
-    ``unit`` is one that the file states apart from the header: if it is known, there is one way alone.
+    The last way has no unit. ``unit`` is one that the file states apart from the header: if it is known, the header
+    with it is the one way. The number of a repeated header is dropped.
     """
     header = REPEAT_NUMBER.sub("", header)
     if parse_unit(unit):
@@ -246,7 +253,7 @@ class HeaderParser:
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
-        """Names of all signals, with the magnitudes of forces."""
+        """Names of all signals, with the magnitudes of forces, without the time."""
         return signals.names_with_magnitudes(Mechanism(self.linkage))
 
     @cached_property
@@ -257,7 +264,10 @@ class HeaderParser:
 
     @cached_property
     def _vocabularies(self) -> dict[str, _Vocabulary]:
-        """The vocabulary of each signal: the words by which a header may mean it."""
+        """The vocabulary of the time and of each signal: the words by which a header may mean it.
+
+        Transmission angles have none.
+        """
         return {
             name: self._vocabulary_of(name)
             for name in (TIME, *self.signals)
@@ -311,7 +321,10 @@ class HeaderParser:
         return Meaning(signal, None, "")
 
     def meaning(self, column: Column) -> Meaning:
-        """The signal that a column means; raises NotJudgedError with the reason."""
+        """The signal that a column means, by its header and unit; raises NotJudgedError with the reason.
+
+        So it does for a header that is too long, has an unknown word, or fits no signal or several.
+        """
         if len(column.header) > LONGEST:
             raise NotJudgedError(f"its name '{shortened(column.header)}' is longer than {LONGEST} characters")
         reasons = []
@@ -323,9 +336,9 @@ class HeaderParser:
         raise reasons[0]
 
     def _meaning(self, name: str, unit: Unit | None, printed: str, column: Column) -> Meaning:
-        """The meaning of a column name with a ``unit``, as ``printed``.
+        """The meaning of a column name with a ``unit``, as ``printed``; the name of a signal itself means that signal.
 
-        Raises NotJudgedError with the reason if it is not clear.
+        Raises NotJudgedError with the reason if it is not clear, or for a unit that does not measure the signal.
         """
         if name in (TIME, *self.signals):
             if unit and not unit.measures(self.unit(name).dimension):
@@ -381,7 +394,7 @@ class HeaderParser:
     def _assumption(self, signal: str, stated: Meanings, column: Column) -> str:
         """The assumption behind a column's signal, in words, "" for none.
 
-        Raises NotJudgedError if its values contradict. ``stated`` are the meanings that the header has.
+        ``stated`` are the meanings that the header has. Raises NotJudgedError for a magnitude with negative values.
         """
         output = self.linkage.output
         if signal in DRIVE and not stated & {"drive", f":{self.linkage.crank}"}:

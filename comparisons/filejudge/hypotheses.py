@@ -85,11 +85,12 @@ COLUMN, SETTING, NUMBER, SEVERAL, FREE = FaultKind
 class Hypothesis:
     """One thing that may be wrong: ``targets(*numbers)`` have other values, ``words(*numbers)`` is its sentence.
 
-    ``start`` (k,) are the numbers with which nothing is wrong, ``sizes`` what counts as a change of each; fits begin at
-    the ``guesses`` for a single number, and ``usual`` numbers, single or (k,), are tried as they are. No number is
-    less than ``least``. ``unit`` is that in which a single number is written, as SI value: round ones are likelier. One
-    that ``is_slow`` makes the linkage move otherwise: its positions are computed anew. All curves are a linear function
-    of one that ``is_linear``, but for friction and the sizes of forces.
+    ``targets`` returns what ``Simulation.with_values`` takes; numbers are SI or factors. ``start`` (k,) are the numbers
+    with which nothing is wrong, ``sizes`` what counts as a change of each; fits begin at the ``guesses`` for a single
+    number, and ``usual`` numbers, single or (k,), are tried as they are. No number is less than ``least``. ``unit`` is
+    that in which a single number is written, as SI value: round ones are likelier; 0 for none. One that ``is_slow``
+    makes the linkage move otherwise: its positions are computed anew. All curves are a linear function of one that
+    ``is_linear``, but for friction and the sizes of forces.
     """
 
     name: str
@@ -114,7 +115,7 @@ def _certain(name: str, kind: FaultKind, values: Values, words: str, *, is_slow:
 def unit_slips(si: str, header: float | None = None) -> Iterator[tuple[float, str]]:
     """Yield factors by which values are wrong if one unit is read as another, with words: "grams read as kilograms".
 
-    ``si`` is the SI unit of the values; with a ``header``, the SI size of a unit, only that unit is read.
+    ``si`` is the SI unit of the values; with a ``header``, the SI size of a unit, only that unit is what is read.
     """
     units = MISTAKEN_UNITS.get(si, OF_NO_UNIT)
     read = dict(units)
@@ -126,7 +127,10 @@ def unit_slips(si: str, header: float | None = None) -> Iterator[tuple[float, st
 
 
 def _slip_words(si: str, k: float) -> str:
-    """The units mistaken for each other if a factor is their ratio, in brackets; "" for any other factor."""
+    """The units mistaken for each other if a factor ``k`` is their ratio: " (factor 1000: grams read as kilograms)".
+
+    "" for any other factor. ``si`` is the SI unit of the values.
+    """
     slips = (words for ratio, words in unit_slips(si) if math.isclose(ratio, k, rel_tol=SAME_UNIT))
     return next((f" (factor {k:.6g}: {words})" for words in slips), "")
 
@@ -135,12 +139,15 @@ def _slip_words(si: str, k: float) -> str:
 
 
 def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Yield every fault that may lie in one column; ``names`` are the signals that it may be taken for."""
+    """Yield every fault that may lie in one column; ``names`` are the signals that it may be taken for.
+
+    Of mistaken units only those are tried whose ratio comes near to the column's.
+    """
     name, size, step = evidence.name, evidence.scale, float(np.median(np.diff(evidence.time)))
     scale, offset, shift = ((name, knob) for knob in ("scale", "offset", "shift"))
 
     def by(c: float) -> str:
-        """An offset, SI, in words, with its sign and the column's unit."""
+        """An offset ``c``, SI, in words, with its sign and the column's unit: "+5 mm"."""
         return f"{signed(c / evidence.unit_value, '.4g')} {evidence.unit}"
 
     def late(t: float) -> str:
@@ -178,7 +185,10 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
 
 
 def _single_samples(evidence: Evidence) -> Iterator[Hypothesis]:
-    """Yield the fault that a few single samples have the other sign or are off; nothing if they are none or many."""
+    """Yield the fault that a few single samples have the other sign or are off; nothing if they are none or many.
+
+    A few is one, or FEW_SAMPLES of all.
+    """
     name, values = evidence.name, evidence.values
     apart = np.abs(values - evidence.truth)
     stray = (apart > 5.0 * evidence.tolerance + 1e-3 * evidence.scale) & evidence.counted | evidence.over
@@ -193,7 +203,10 @@ def _single_samples(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def _mistaken_quantities(evidence: Evidence, simulation: Simulation, names: Sequence[str]) -> Iterator[Hypothesis]:
-    """Yield hypotheses that the column is another quantity of the linkage, perhaps with the other sign."""
+    """Yield hypotheses that the column is another quantity among ``names``, perhaps with the other sign.
+
+    Only quantities within ALIKE of the column's peak count.
+    """
     name, thin = evidence.name, evidence.thinned(100)
     others = [other for other in names if other != name]
     scale = float(np.max(np.abs(thin.values)))
@@ -239,7 +252,7 @@ def of_columns(evidence: Sequence[Evidence]) -> Iterator[Hypothesis]:
 def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequence[str]) -> Iterator[Hypothesis]:
     """Yield every fault of the crank's motion; speed and ramps only where no ``column`` of the file gives it.
 
-    ``names`` are the file's columns.
+    ``names`` are the signals of the file's columns.
     """
     motion, start = simulation.motion, float(simulation.motion.angle(0.0))
     if column is not None:
@@ -252,7 +265,10 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
                 yield _certain(f"unit:{column.name}", COLUMN, values, words)
 
     def zero(angle: float) -> str:
-        """The sentence that the crank angle counts from another zero, off by an angle, rad."""
+        """The sentence that the crank angle counts from another zero, off by an angle, rad.
+
+        Without a column, that the crank starts elsewhere. It is in degrees.
+        """
         if column is not None:
             added = signed(math.degrees(wrap_angle(angle)), ".4g")
             return f"the crank angle counts from another zero: {added}° are to be added to the file's"
@@ -260,7 +276,7 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
         return f"the crank starts at {at:.4g}° in place of {math.degrees(start):.4g}°"
 
     def mirrored(angle: float) -> str:
-        """The sentence that the crank angle counts the other way, from an angle, rad."""
+        """The sentence that the crank angle counts the other way, from an angle, rad, which it has in degrees."""
         if abs(wrap_angle(angle)) < ZERO_ANGLE:
             return "the crank angle is mirrored"
         return f"the crank angle counts the other way, from {math.degrees(wrap_angle(angle)):.4g}°"
@@ -288,14 +304,14 @@ def of_motion(simulation: Simulation, column: ImportedSignal | None, names: Sequ
 
 
 def wrap_angle(angle: float) -> float:
-    """An angle, rad, within −π to π: whole turns taken away."""
+    """An angle, rad, within [−π, π): whole turns taken away."""
     return (float(angle) + math.pi) % FULL_TURN - math.pi
 
 
 def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN401 - a DriverMotion, narrowed
     """Yield faults of a stated regime: another speed, another ramp, another time of the ramp.
 
-    ``start`` is its angle, rad.
+    ``start`` is its angle at t = 0, rad. Ramps only of a run-up and of a constant speed.
     """
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
     paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE_CAPTURE, 9.0), MOST_PACES)))
@@ -308,7 +324,7 @@ def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN4
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
 
     def similar(name: str, ramp: float) -> Values:
-        """The changed motion: the regime of this name with another ramp time, s, of the same length and speed."""
+        """The changed motion: the regime of this name with another ramp time, s, of the old one's length and speed."""
         ramp = min(max(abs(ramp), SHORTEST_RAMP), motion.duration)
         return {MOTION: crank_motion(name, speed=abs(speed), ramp_time=ramp, hold_time=motion.duration - ramp,
                                      clockwise=speed < 0.0, start_angle=start)}  # fmt: skip
@@ -340,7 +356,7 @@ def of_model(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
-    """Yield gravity of another size along the file's direction, and gravity of any direction.
+    """Yield gravity of another size along the file's direction, if it has one, and gravity of any direction.
 
     Nothing without masses.
     """
@@ -349,7 +365,7 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
         return
 
     def gravity(gx: float, gy: float) -> Values:
-        """The changed values for this gravity, m/s²."""
+        """The changed values for this gravity, its components in m/s²."""
         return {"gravity.x": gx, "gravity.y": gy}
 
     def words(k: float) -> str:
@@ -375,7 +391,7 @@ def _of_gravity(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
-    """Yield for each group, up to MOST_MODES, the fault that it is assembled in its other mode."""
+    """Yield for each group that has two modes, up to MOST_MODES, the fault that it is assembled in its other mode."""
     dyads = simulation.mechanism.structure.dyads
     for number, dyad in [(n, dyad) for n, dyad in enumerate(dyads) if dyad.has_two_modes][:MOST_MODES]:
         signs = tuple(-other.sign if n == number else other.sign for n, other in enumerate(dyads))
@@ -384,7 +400,7 @@ def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
-    """Yield for each pin without a rotary damper the fault that it has one."""
+    """Yield for each pair of links in a pin, without a rotary damper between them, the fault that they have one."""
     linkage = simulation.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
     size = (inertia or 1.0) * (simulation.motion.peak_speed or 1.0)
@@ -414,7 +430,7 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
     joints = {joint: unit for joint, unit in joints.items() if joint not in linkage.friction}
 
     def of(*names: str) -> dict[str, Any]:
-        """The hypothesis' arguments for friction in the joints of these names, a number for each."""
+        """The arguments of a Hypothesis, by name, for friction in the joints of these names, a number for each."""
         sizes = tuple(0.1 * linkage.shortest_length() if joints[name] else 0.1 for name in names)
 
         def friction(*numbers: float) -> Values:
@@ -425,7 +441,7 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
             return {(LINKAGE, "friction"): {**linkage.friction, **own}}
 
         def words(*numbers: float) -> str:
-            """The sentence that names the joints with friction and its size."""
+            """The sentence that names the joints with friction and its sizes; negligible numbers are left out."""
             found = [
                 f"'{name}', μ r = {linkage.written(x)}" if joints[name] else f"'{name}', μ = {x:.3g}"
                 for name, x, size in zip(names, numbers, sizes, strict=True)
@@ -464,7 +480,11 @@ def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothesis]:
-    """Yield another value of one number of the description, or a direction turned; nothing if it has no effect."""
+    """Yield another value of one number of the description, or a direction turned; nothing if it has no effect.
+
+    Nothing for the sketch, for zeros that are no place, for numbers of long tables of loads and for the radius of
+    friction. A direction is yielded with its x component alone.
+    """
     kind, value, path = number.kind, number.value, number.path
     is_place, is_load = kind in (Kind.LENGTH, Kind.ACCELERATION), path[0] in LOADS
     if kind is Kind.DIRECTION:
@@ -498,7 +518,10 @@ def _of_number(linkage: Linkage, name: str, number: Number) -> Iterator[Hypothes
 
 
 def _number_words(name: str, number: Number) -> str:
-    """The words for a number of the description: "the mass of 'rod'"; its ``name`` in quotes where there are none."""
+    """The words for a number of the description: "the mass of 'rod'"; its ``name`` in quotes where there are none.
+
+    A component's axis goes before: "x of 'B' on 'rod'".
+    """
     part, *_, last = number.path
     form = NUMBER_WORDS.get((str(part), str(number.path[2]) if part == "links" else ""), "'{name}'")
     axis = "xy"[last] if isinstance(last, int) else ""
@@ -516,7 +539,7 @@ def _inertias_about_points(linkage: Linkage, name: str) -> dict[float, str]:
 
 
 def _turned(linkage: Linkage, name: str) -> Hypothesis:
-    """The hypothesis that the direction of this name is turned by an angle, rad."""
+    """The hypothesis that the direction of this name, ``output.along``, is turned by an angle, rad."""
     known, of = named_numbers(linkage), name.removesuffix(".along")
     x, y = (known[f"{name}.{axis}"].value for axis in "xy")
     what = "the direction of the output" if of == "output" else f"the guide of '{of}'"
@@ -554,7 +577,7 @@ def _of_several_numbers(linkage: Linkage) -> Iterator[Hypothesis]:
 def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float], *kinds: Kind) -> Hypothesis:
     """The hypothesis that all numbers of some kinds, with names that begin with ``under``, have a common factor.
 
-    ``what`` names them in words, ``usual`` are factors to try.
+    ``what`` names them in words, and the hypothesis; ``usual`` are factors to try.
     """
     numbers = {
         label: number.value
@@ -574,7 +597,10 @@ def _multiplied(linkage: Linkage, what: str, under: str, usual: Sequence[float],
 
 
 def _other_distance(linkage: Linkage, name: str, fixed_point: str, moved: str) -> Hypothesis:
-    """The hypothesis that a point is at another distance, m, from a ``fixed_point``, in its direction."""
+    """The hypothesis that a link's point ``moved`` is at another distance, m, from ``fixed_point``.
+
+    Its direction from there stays. ``name`` is the link's.
+    """
     (x, y), (px, py) = linkage.links[name].points[fixed_point], linkage.links[name].points[moved]
     length = math.dist((x, y), (px, py))
 
@@ -593,7 +619,7 @@ def _other_distance(linkage: Linkage, name: str, fixed_point: str, moved: str) -
 
 
 def _other_centre(linkage: Linkage, name: str) -> Hypothesis:
-    """The hypothesis that a link's mass centre is elsewhere: at a usual wrong place, or anywhere."""
+    """The hypothesis that a link's mass centre is elsewhere, x and y in m: at a usual wrong place, or anywhere."""
     link = linkage.links[name]
     (x, y), places, size = link.centre, list(link.points.values()), linkage.shortest_length()
     middle = (float(np.mean([p[0] for p in places])), float(np.mean([p[1] for p in places])))

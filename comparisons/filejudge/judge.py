@@ -42,7 +42,8 @@ SURE: Final = 4.0  # within so many standard deviations
 def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth: Sequence[Array]) -> list[Array]:
     """The uncertainty, SI, of each signal (n,) due to the file's rounding of values, instants and crank angles.
 
-    Of a long signal what instants and angles leave open is worked out at a part of its instants.
+    ``truth`` is the closed form of each. Of a long signal what instants and angles leave open is worked out at a part
+    of its instants.
     """
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
@@ -64,9 +65,9 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
 
 
 def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array:
-    """The largest of several trials' differences near each sample, (n,).
+    """The largest of several trials' ``differences``, (n,) each, near each sample, (n,).
 
-    Over all samples for a motion that is no known one.
+    For a motion that is no known one it is the largest over all samples.
     """
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
@@ -103,12 +104,12 @@ NEAR_ZERO: Final = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class SignalVerdict(Evidence):
-    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``.
+    """One signal beside the closed form; ``error_max``, ``error_rms`` and ``limit`` are shares of ``scale``.
 
     ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``worst``
-    is the sample with the largest error. Samples at a jump of the crank's acceleration are not ``counted``: their
-    errors count beyond the jump's size, and where nothing else is over the limit they are counted ``over``.
-    ``truth_there`` is the side of the jump that is nearer to the file.
+    is the number of the sample with the largest error, ``worst_angle`` φ there, rad. Samples at a jump of the crank's
+    acceleration are not ``counted``: their errors count beyond the jump's size, and where nothing else is over the
+    limit they are counted ``over``. ``truth_there`` is the side of the jump that is nearer to the file.
     """
 
     imported: ImportedSignal
@@ -170,11 +171,14 @@ class SignalVerdict(Evidence):
         )
 
     def curve(self, motion: DriverMotion) -> NDArray[np.float32]:
-        """The thinned curve of the signal, (4, samples), as a campaign stores it."""
+        """The thinned curve of the signal, (4, samples), as a campaign stores it: time, φ, closed form, error; SI."""
         return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:
-        """The verdict as an Error record; ``blank`` has the fields that all signals share."""
+        """The verdict as an Error record, a copy of ``blank``, which has the fields that all signals share.
+
+        An undefined one has no errors.
+        """
         errors = (self.error_max, self.error_rms) if self.outcome is not Verdict.UNDEFINED else (None, None)
         return blank._replace(
             quantity=self.name,
@@ -195,9 +199,11 @@ class SignalVerdict(Evidence):
 def _judge_signal(
     model: Simulation, signal: ImportedSignal, truth: Array, open_: Array, *, limit: float, natural: float
 ) -> SignalVerdict:
-    """The verdict of one signal; ``natural`` is its natural scale, SI, ``open_`` (n,) what the file leaves open.
+    """The verdict of one signal; ``natural`` is its natural scale, SI, ``open_`` (n,), SI, what the file leaves open.
 
-    At a jump of the crank's acceleration a sample may be off by the jump besides.
+    ``truth`` (n,) is the closed form, ``limit`` a share of its peak. At a jump of the crank's acceleration a sample may
+    be off by the jump besides. An error over the limit that ``open_`` covers, and the values' rounding does not, leaves
+    the signal undefined, and so does a file with samples at jumps only.
     """
     si, jump = unit(signal.name, model.linkage), jump_sizes(model, signal)
     in_file, counted = file_unit(si, model.linkage), jump == 0.0
@@ -230,8 +236,8 @@ def _judge_signal(
 def natural_scales(model: Simulation, signals: Sequence[SignalTimes], truth: Sequence[Array]) -> list[float]:
     """The natural scale, SI, of each signal in this linkage and motion: what is large for its kind; 0 for other kinds.
 
-    A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
-    that are forces, and of the weights.
+    ``truth`` is the closed form of each signal, SI. A length is the linkage's largest coordinate, a speed that times
+    the crank's; a force is the largest of all signals that are forces, and of the weights.
     """
     linkage, motion = model.linkage, model.motion
     length, speed = linkage.extent(), motion.peak_speed
@@ -247,9 +253,10 @@ def natural_scales(model: Simulation, signals: Sequence[SignalTimes], truth: Seq
 
 @dataclass(frozen=True)
 class ImportedJudgement:
-    """The result of a judgement; ``motion_source`` names the source of the crank's motion.
+    """The result of a judgement; ``motion_source`` is the source of the crank's motion in words.
 
-    ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
+    ``limit`` is a share of the peak. ``missed`` are signals whose peak lies between the file's samples, each with the
+    share of it that is missed.
     """
 
     model: Simulation
@@ -298,11 +305,12 @@ def judge(
     start_angle: float = 0.0,
     gives_speed: bool = True,
 ) -> ImportedJudgement:
-    """Compare every imported signal with the closed form at the file's own instants.
+    """Compare every imported signal with the closed form at the file's own instants, and seek causes of differences.
 
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
-    ``limit`` is of the peak. ``gives_speed`` is False where the user states no speed, which moving signals over the
-    crank angle need. Raises LinkproofError without a signal or a motion.
+    ``limit`` is a share of the peak. ``gives_speed`` is False where the user states no speed, which moving signals over
+    the crank angle need. Raises LinkproofError without a signal, a motion or that speed, AssemblyError where the
+    linkage cannot make the motion.
     """
     moved, source, crank = _crank_motion(imported, motion, start_angle)
     model = Simulation(linkage, moved)
@@ -338,7 +346,8 @@ def _crank_motion(
 ) -> tuple[DriverMotion, str, ImportedSignal | None]:
     """The crank's motion, its source in words, and the column that gives it; None where the motion is stated.
 
-    Raises LinkproofError where nothing gives it. ``start_angle``, rad, is for a column of speeds alone.
+    Of a column of angles and one of speeds it is the one that leaves less doubt. ``start_angle``, rad, is for a column
+    of speeds alone. Raises LinkproofError where nothing gives it.
     """
     signals = imported.signals
     if motion is not None:
@@ -370,7 +379,7 @@ def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
 
 
 def _over_time(signal: ImportedSignal, motion: DriverMotion) -> ImportedSignal:
-    """The signal over time, in its order; one over the crank angle gets the times of a constant speed."""
+    """The signal over time, in its order; one over the crank angle gets the times of the motion's constant speed."""
     time, rounding = even_instants(signal.time, signal.time_rounding)
     order = np.arange(len(time))
     if signal.axis == "phi":
@@ -395,7 +404,10 @@ def _check_speed(model: Simulation, signals: Sequence[ImportedSignal], *, gives_
 
 
 def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> ImportedSignal:
-    """The signal without whole turns that a tool added; a transmission angle as its acute angle."""
+    """The signal without whole turns that a tool added; a transmission angle as its acute angle.
+
+    ``truth`` (n,), rad, tells the turn. A signal that is no angle is returned as it is.
+    """
     if unit(signal.name, linkage) != "rad":
         return signal
     if signal.name.startswith("transmission_angle"):
@@ -406,7 +418,10 @@ def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> Im
 
 
 def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
-    """Yield signals whose closed form peaks between the samples by more than the limit, each with the share missed."""
+    """Yield each signal whose closed form peaks between the samples by more than the limit, with the share missed.
+
+    Signals with many samples, and those near zero, are left out.
+    """
     for verdict in judged:
         time = verdict.time
         if len(time) > FINE or (isinstance(model.motion, ColumnMotion) and len(time) < 4):

@@ -37,7 +37,7 @@ SAID: Final = re.compile(
 class MapEntry:
     """What the user says of a column: its signal, its unit ("" for the header's), and a correction in that unit.
 
-    No ``signal`` leaves the column out; ``text`` is the entry as written.
+    No ``signal`` leaves the column out; ``text`` is the entry as written, ``COLUMN=-2*SIGNAL [UNIT] + 5 @ 0.1 s``.
     """
 
     text: str
@@ -50,7 +50,10 @@ class MapEntry:
         return LinkproofError(f"--map '{shortened(self.text)}': {message}")
 
     def meaning(self, parser: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
-        """The column's meaning and its correction, in SI; raises LinkproofError for an unknown signal or unit."""
+        """The column's meaning and its correction, in SI; raises LinkproofError for an unknown signal or unit.
+
+        The meaning has no unit where neither the entry nor the header states one.
+        """
         if self.signal not in (TIME, *parser.signals):
             raise self.fail(str(UnknownNameError("signal", self.signal, (TIME, *parser.signals))))
         si, unit = parser.unit(self.signal).dimension, parse_unit(self.unit)
@@ -66,8 +69,9 @@ class MapEntry:
 def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEntry]:
     """The entries by the headers of their columns; an entry without "=" names a file with an entry per line.
 
-    An entry is an equation: the column is ``sign factor signal + offset`` at its time + shift. Raises LinkproofError
-    for a text that is no equation, a header that no column has, and two entries for one column.
+    An entry is an equation, ``COLUMN=SIGNAL [UNIT]``: the column is ``sign factor signal + offset`` at its time +
+    shift. Raises LinkproofError for a text that is no equation, a header that no column has, two entries for one
+    column, and a file that cannot be read.
     """
     known, entries = {_comparable(header) for header in headers}, dict[str, MapEntry]()
     for text in (line for one in given for line in _lines(one)):
@@ -88,9 +92,9 @@ def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEn
 
 
 def _lines(given: str) -> list[str]:
-    """The entries of one ``--map``: its own text, or without "=" the lines of the file that it names.
+    """The entries of one ``--map``: its own text, or without "=" the lines of the file that it names, but blank ones.
 
-    Raises LinkproofError.
+    Raises LinkproofError for a file that cannot be read.
     """
     if "=" in given:
         return [given]
@@ -98,7 +102,7 @@ def _lines(given: str) -> list[str]:
 
 
 def _comparable(header: str) -> str:
-    """A header as it is compared with those that a user types: on one line, without outer spaces."""
+    """A header as it is compared with those that a user types: control characters escaped, without outer spaces."""
     return printable(header).strip()
 
 
@@ -114,7 +118,7 @@ class _ReadColumn:
     reason: str = ""
 
     def in_si(self) -> tuple[Array, Array]:
-        """Values in SI units, corrected, and their resolution, each (n,)."""
+        """Values in SI units, corrected but for the time's shift, and their resolution, each (n,)."""
         scale = self.correction.factor * self.factor
         values = self.correction.sign * scale * self.column.values + self.correction.offset
         return values, scale * self.column.resolution
@@ -124,7 +128,10 @@ class _Reading:
     """State of reading result files: tables, meanings, and columns without one."""
 
     def __init__(self, linkage: Linkage, tables: Sequence[ResultTable], said: Iterable[str]) -> None:
-        """Read every column of the tables and choose each table's axis; raises LinkproofError for duplicates."""
+        """Read every column of the tables and choose each table's axis; ``said`` is as for ``map_entries``.
+
+        Raises LinkproofError for wrong entries, a column without a unit, a table without an axis, and duplicates.
+        """
         self.parser = HeaderParser(linkage)
         self.entries = map_entries(said, (column.header for table in tables for column in table.columns))
         self.columns = [self._read(table, column) for table in tables for column in table.columns]
@@ -139,7 +146,7 @@ class _Reading:
     def _read(self, table: ResultTable, column: Column) -> _ReadColumn:
         """A column with its meaning and correction, or with the reason why it has none.
 
-        Raises LinkproofError without a unit.
+        Raises LinkproofError for a meaning without a unit, and for an entry with an unknown signal or unit.
         """
         entry, correction, header = self.entries.get(_comparable(column.header)), NOTHING, shortened(column.header)
         if entry is not None and not entry.signal:
@@ -178,9 +185,9 @@ class _Reading:
         return axes[0] if axes else None
 
     def _refuse_duplicates(self) -> None:
-        """Raise LinkproofError for two columns of one signal or axis.
+        """Raise LinkproofError for two columns of one signal, or of one table's axis.
 
-        If one of them is guessed, it loses its meaning instead.
+        If only one of two for a signal is guessed, it loses its meaning instead.
         """
         seen: dict[tuple[str, int], tuple[_ReadColumn, Meaning]] = {}
         for column, meaning in sorted(self.with_meaning(), key=lambda pair: bool(pair[1].assumption)):
@@ -199,9 +206,9 @@ class _Reading:
             column.meaning, column.reason = None, f"'{shortened(before.column.header)}' names {meaning.signal}"
 
     def signals(self, table: ResultTable) -> Iterator[ImportedSignal]:
-        """Yield the signals of a table, corrected and in SI, over its axis.
+        """Yield the signals of a table, corrected and in SI, over its axis; none for a table without an axis.
 
-        Raises LinkproofError for one that turns back.
+        Raises LinkproofError for an axis that turns back or has too few instants.
         """
         pair = self.axes[id(table)]
         if pair is None:
@@ -228,8 +235,8 @@ def read_results(
 ) -> ImportedResults:
     """The signals in result files, by their headers and by what is ``said`` of columns (see ``map_entries``).
 
-    Texts are UTF-8, UTF-16 with its mark, or in the ``encoding`` that is named. Raises LinkproofError with file and
-    line for what cannot be read, and for what only the user can tell.
+    A file named twice is read once. Texts are UTF-8, UTF-16 with its mark, or in the ``encoding`` that is named. Raises
+    LinkproofError with file and line for what cannot be read, and for what only the user can tell.
     """
     tables = number_headers(table for path in dict.fromkeys(paths) for table in result_tables(Path(path), encoding))
     if not tables:

@@ -46,9 +46,9 @@ SAME_INSTANT: Final = 1e-6  # of a step: the same instant
 
 @dataclass(frozen=True)
 class ColumnKnobs:
-    """What a column has: ``scale`` y(t + ``shift``) + ``offset``, where y is the signal ``of``.
+    """What a column has: ``scale`` y(t + ``shift``) + ``offset``, where y is the signal ``of``; SI, s.
 
-    At single instants it may have any values: ``stray``, both (n,).
+    At single instants it may have any values: ``stray``, the instants and the values there, both (n,).
     """
 
     of: str
@@ -60,9 +60,9 @@ class ColumnKnobs:
 
 @dataclass(frozen=True)
 class Simulation:
-    """A linkage under a motion, as the closed form has it; ``modes`` are its assembly modes if others.
+    """A linkage under a motion, as the closed form has it; ``modes`` are its assembly modes, a sign each, if others.
 
-    ``columns`` have more than the signals of their names.
+    ``columns`` have, by name, more than the signals of their names. Results are cached.
     """
 
     linkage: Linkage
@@ -81,9 +81,10 @@ class Simulation:
         return mechanism
 
     def with_values(self, values: Values) -> Simulation:
-        """The simulation with these values of its targets; results that they do not concern are kept.
+        """A copy of the simulation with these values of its targets; it shares the results that they do not concern.
 
-        Raises LinkproofError where the linkage cannot be so.
+        A target is the name of a number, with its value in SI, or a pair of a column, "crank" or "linkage" and one of
+        its knobs or parts. Raises LinkproofError where the linkage cannot be so.
         """
         numbers = {target: float(value) for target, value in values.items() if isinstance(target, str)}
         linkage = with_numbers(self.linkage, numbers) if numbers else self.linkage
@@ -111,12 +112,16 @@ class Simulation:
         return other
 
     def predict(self, curves: Iterable[SignalTimes]) -> list[Array]:
-        """Values (n,), SI, of each curve at its times, nan where a column has none; those on one clock share work."""
+        """Values (n,), SI, of each curve at its times, in their order, nan where a column has none.
+
+        Curves on one clock share work. Raises AssemblyError where the linkage cannot make the motion, UnknownNameError
+        for an unknown signal.
+        """
         truths: dict[bytes, Truth] = {}
         return [self._column(curve, truths) for curve in curves]
 
     def concerns(self, name: str, before: Simulation) -> bool:
-        """Whether the column ``name`` may differ between this simulation and one ``before``, with other values."""
+        """Whether the column ``name`` may differ between this simulation and one ``before``, from which it was made."""
         return self._seen is not before._seen or self.columns.get(name) is not before.columns.get(name)
 
     def _seen_of_motion(self) -> dict[tuple[str, bytes], Array]:
@@ -126,7 +131,7 @@ class Simulation:
     def _truth(self, time: Array, clock: bytes) -> Truth:
         """The closed form at times (n,), s.
 
-        ``clock`` are their bytes, by which its sweep is kept for other simulations.
+        ``clock`` are their bytes, by which its sweep is kept, as one of a few, for other simulations.
         """
         truth = Truth(self.mechanism, self.motion, time)
         if clock in self._sweeps:
@@ -140,7 +145,10 @@ class Simulation:
         return self.columns.get(name) or ColumnKnobs(name)
 
     def _column(self, curve: SignalTimes, truths: dict[bytes, Truth]) -> Array:
-        """The values (n,), SI, of a column; ``truths`` keeps the closed form by its clock for other columns."""
+        """The values (n,), SI, of a column; ``truths`` keeps the closed form by its clock for other columns.
+
+        Where a shift leads out of the run, or to a jump, they are nan.
+        """
         knobs, time = self._knobs(curve.name), curve.time
         at = time + knobs.shift if knobs.shift else time
         clock = at.tobytes()
@@ -179,7 +187,7 @@ def _centrifugal(sweep: Sweep) -> Array:
 
 
 def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
-    """A linkage with other numbers, SI, by name; lengths change no masses.
+    """A copy of a linkage with other numbers, SI, by name; lengths change no masses, and unknown names nothing.
 
     Raises LinkproofError for two points of a link in one place.
     """
@@ -191,14 +199,17 @@ def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
 
 
 def _motion_parts(linkage: Linkage) -> list[Any]:
-    """The parts of a linkage on which its motion depends, for comparison."""
+    """The parts of a linkage on which its motion depends, to be compared with those of another one."""
     points = {name: link.points for name, link in linkage.links.items()}
     return [points, *(getattr(linkage, part) for part in MOTION_PARTS)]
 
 
 @dataclass(frozen=True)
 class ChangedMotion:
-    """``pace`` φ(t + ``shift``) + ``offset``; derivatives above ``order`` are left out: 0 of them leave rest."""
+    """Another motion with the angle ``pace`` φ(t + ``shift``) + ``offset``, rad and s.
+
+    Derivatives above ``order`` are 0: for 1 accelerations, for 0 speeds, too.
+    """
 
     motion: DriverMotion
     pace: float = 1.0
@@ -227,19 +238,19 @@ class ChangedMotion:
         return tuple(jump - self.shift for jump in self.motion.jumps)
 
     def _clock(self, time: ArrayLike) -> Array:
-        """The time of the original motion, s, at times of this one."""
+        """The time of the original motion, s, at times of this one, s, in their shape."""
         return np.asarray(np.asarray(time, dtype=float) + self.shift)
 
     def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
+        """φ(t), rad; times in s, in their shape."""
         return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
 
     def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
+        """ω(t), rad/s; times in s, in their shape."""
         return np.asarray((self.order > 0) * self.pace * self.motion.speed(self._clock(time)))
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s²."""
+        """ε(t), rad/s²; times in s, in their shape."""
         return np.asarray((self.order > 1) * self.pace * self.motion.acceleration(self._clock(time)))
 
 

@@ -79,10 +79,10 @@ class ResultText:
 
 
 def result_tables(path: Path, encoding: str = "") -> list[ResultTable]:
-    """Every table of a file in its order, as its suffix says.
+    """Every table of a file in its order, as its suffix says: MATLAB, a workbook, or else a text or results of Adams.
 
-    Raises LinkproofError, with file and line, for one that has none. ``encoding`` is that of a text, if the user names
-    one.
+    Tables of a single column are left out. ``encoding`` is that of a text, if the user names one. Raises
+    LinkproofError, with file and line, for a file without a table, or that cannot be read.
     """
     kind, name = path.suffix.lower(), printable(str(path))
     if kind == ".mat":
@@ -107,7 +107,8 @@ def read_text(path: Path, encoding: str = "", expected: str = EXPECTED) -> Resul
     """The text of a file in UTF-8, UTF-16 with its mark, or the ``encoding`` that the user names.
 
     Line ends become line feeds, and typographic signs plain ones. ``expected`` says in messages what the file should
-    be. Raises LinkproofError for other bytes and for a binary file.
+    be. Raises LinkproofError for a file that cannot be read or is too large, an unknown encoding, other bytes and a
+    binary file.
     """
     content, name = read_file(path, expected, LARGEST), printable(str(path))
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
@@ -155,7 +156,7 @@ class _Header(NamedTuple):
 
 
 class _Signs(NamedTuple):
-    """What parts the cells of a row, and the decimal sign."""
+    """What parts the cells of a row, BLANK for any blanks, and the decimal sign."""
 
     delimiter: str
     decimal: str
@@ -173,7 +174,7 @@ def _split_cells(row: str, delimiter: str) -> list[str]:
 
 
 def _find_signs(row: str, text: str) -> _Signs:
-    """The delimiter and decimal sign of a text, from its first ``row`` of numbers and from all of them."""
+    """The delimiter and decimal sign of a text, from its first ``row`` of numbers and from the ``text`` of all rows."""
     bare = QUOTED.sub("0", row.strip(" "))
     delimiter = next((sign for sign in "\t;" if sign in bare), "")
     delimiter = delimiter or (BLANK if BETWEEN_BLANKS.search(bare) or "," not in bare else ",")
@@ -189,7 +190,8 @@ def _is_number(cell: str) -> bool:
 def _text_tables(file: ResultText) -> Iterator[ResultTable]:
     """Yield the tables of a text; numbers alone, without a line above them, have columns without names.
 
-    Raises LinkproofError with file and line.
+    Raises LinkproofError, with file and line, for rows that are spoilt or lack a header, and for too many lines,
+    columns or numbers.
     """
     above: list[_Part] = []  # lines of text since the last rows of numbers
     lines, numbers, width, signs = 0, 0, 0, _Signs(",", ".")
@@ -220,7 +222,10 @@ def _text_tables(file: ResultText) -> Iterator[ResultTable]:
 
 
 def _parts(text: str) -> Iterator[_Part]:
-    """Yield the blocks of rows, each beginning with a number, and the lines of text between them, in order."""
+    """Yield the blocks of rows, each beginning with a number, and the lines of text between them, in order.
+
+    Excel's line ``sep=`` is left out.
+    """
     start, line = 0, 1
     for words in chain(TEXT_LINE.finditer(text), [None]):
         end = words.start() if words else len(text)
@@ -289,10 +294,10 @@ def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs,
 
 
 def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) -> ResultTable:
-    """The table of a block of rows; raises LinkproofError for a row that is none.
+    """The table of a block of rows; raises LinkproofError, with file and line, for a row that is none.
 
     A column that is empty throughout is left out, and the first where it comes again: Adams writes the time beside
-    every curve.
+    every curve. Tiny numbers become 0.
     """
     text = part.text.replace("D", "e").replace("d", "e")  # Fortran writes exponents with a D
     form: Any = {"sep": signs.delimiter, "decimal": signs.decimal, "header": None, "skipinitialspace": True}
@@ -358,7 +363,7 @@ def resolution(values: Array, words: Sequence[str]) -> Array:
     """Half a unit of the last digit of each number of a column (n,), some of which are printed as ``words``.
 
     Where trailing zeros are left out, as by ``%g``, a short number is as sharp as the column's other numbers: it has
-    their decimals or their number of digits, whichever is coarser.
+    their decimals or their number of digits, whichever is coarser. Without words numbers are as sharp as a double.
     """
     printed = [match.groups("") for word in words if (match := NUMBER.fullmatch(word))]
     decimals = max((len(part) - int(exponent or 0) for _, part, exponent in printed), default=MOST_DIGITS)
@@ -370,9 +375,9 @@ def resolution(values: Array, words: Sequence[str]) -> Array:
 
 
 def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
-    """The tables with repeated headers numbered as in ``Torque #2``, so that a user can name each; axes excepted.
+    """Copies of the tables with repeated headers numbered as in ``Torque #2``, so that a user can name each.
 
-    A column without a header becomes "column 2".
+    The first column of a table, its axis, keeps its header. A column without a header becomes "column 2".
     """
     counts: Counter[str] = Counter()
     result = []
@@ -428,7 +433,7 @@ def _adams_table(file: ResultText) -> ResultTable:
 def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
     """The result of a reader that runs in another process, within READER.
 
-    Raises LinkproofError for any failure there.
+    Raises LinkproofError for a file that is none or too large, and for any failure there.
     """
     check_file(path, EXPECTED, LARGEST)
     processes = min(1, most_processes())
@@ -455,7 +460,10 @@ def _result_or_words(reader: Callable[[Path], R], path: Path) -> R | str:
 
 
 def _workbook_texts(path: Path) -> list[tuple[str, str]]:
-    """Name and text of every sheet, cells parted by tabs; raises ValueError if it unpacks to over LARGEST."""
+    """Name and text of every sheet, a line for each row, cells parted by tabs.
+
+    Raises ValueError if the workbook unpacks to over LARGEST, and errors of other classes for a damaged one.
+    """
     with zipfile.ZipFile(path) as parts:
         size = sum(part.file_size for part in parts.infolist())
     if size > LARGEST:
