@@ -52,18 +52,24 @@ class Border(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """The value between both, by the geometric mean, to the six digits that a cell's name has."""
+        """The value between both, by the geometric mean, to the six digits that a cell's name has.
+
+        Instead of a lower end that is not positive it takes ``NEXT_TO_ZERO`` of the higher one.
+        """
         low, high = self.ends
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
     @property
     def between(self) -> Cell:
-        """The cell to run next: that of the middle value."""
+        """The cell to run next, not yet run: that of the middle value."""
         axis, row, engine, usage = self.inside.line
         return cell_at(axes()[axis], row, self.middle, engine, usage)
 
     def is_wide(self, precision: float) -> bool:
-        """Whether a cell between both values is worth a run: their ratio, or next to zero the value, is large."""
+        """Whether a cell between both is worth a run: their ratio is over ``precision`` or, next to 0, the value large.
+
+        It is not on an axis that is not to be narrowed, nor where the outside timed out or crashed.
+        """
         low, high = self.ends
         worth = axes()[self.inside.axis].narrow and self.outside.verdict not in BOUNDED
         return worth and (high > precision * low if low > 0.0 else high > SMALLEST)
@@ -80,15 +86,15 @@ class Border(NamedTuple):
 def borders(results: Iterable[Cell], *, quick: bool = False) -> list[Border]:
     """On every line, on either side of its easy value, the border to the first run that is not within limit.
 
-    There is none where the easiest value is not within limit, or where nothing fails. With ``quick`` lines of
-    ``QUICK_BORDERS`` alone count.
+    There is none where the easiest value is not within limit, or where nothing fails. ``results`` are cells that were
+    run; with ``quick`` lines of ``QUICK_BORDERS`` alone count.
     """
     lines = grouped((result.line, result) for result in results if not quick or result.setting == QUICK_BORDERS)
     return [border for line in lines.values() for border in _line_borders(line)]
 
 
 def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
-    """Yield the first border on either side of a line's easy value, where there is one."""
+    """Yield the first border on either side of a line's easy value, where there is one; cells may come in any order."""
     rising = sorted(line, key=lambda result: result.value)
     good = axes()[rising[0].axis].good
     start = min(range(len(rising)), key=lambda number: _factor_between(rising[number].value, good))
@@ -124,7 +130,7 @@ class Stress:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document with counts and borders, and all cells, JSON-ready, as a new dictionary."""
+        """The document with counts by engine and verdict, borders, and all cells, JSON-ready, as a new dictionary."""
         return {
             **self.document,
             "summary": {engine: dict(self.count(engine)) for engine in self.engines},
@@ -134,7 +140,7 @@ class Stress:
 
     @property
     def results(self) -> Sequence[Cell]:
-        """Every cell with its result, line by line."""
+        """Every cell with its result, line by line, by rising value."""
         return [cell for line in self.lines.values() for cell in line]
 
     @cached_property
@@ -169,7 +175,7 @@ class Stress:
         return tuple(sorted({result.engine for result in self.results}))
 
     def of(self, *verdicts: StressVerdict) -> tuple[Cell, ...]:
-        """The cells with one of these verdicts."""
+        """The cells with one of these verdicts, line by line."""
         return tuple(result for result in self.results if result.verdict in verdicts)
 
     def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
@@ -184,7 +190,10 @@ def save(folder: Path, stress: Stress) -> None:
 
 
 def load(folder: Path) -> Stress:
-    """Read a stress test back; no engine is imported. Raises LinkproofError if it is missing or damaged."""
+    """Read a stress test back; no engine is imported.
+
+    Raises LinkproofError if it is missing, damaged or without a cell.
+    """
     stress = Stress(*load_study(folder, KIND, FORM, Cell.from_row))
     with store_errors(folder, KIND):
         _ = stress.columns
@@ -205,8 +214,9 @@ def stress(
 ) -> Stress:
     """Run these cells, then those that ``narrow`` the borders down; ``finished`` runs are not made again.
 
-    ``announce`` hears a label, how many cells are done and how many are known of. ``command`` repeats the test. A
-    ``quick`` one has coarser borders and less time for a cell.
+    New runs are added to those. ``announce`` hears a label, how many cells are done and how many are known of.
+    ``command`` repeats the test. A ``quick`` one has coarser borders and less time for a cell. ``pool`` makes the runs.
+    Raises LinkproofError where no worker can start.
     """
     study = TaskList(run_cell, lost, Cell.written, Cell.from_row, finished, announce, pool)
     precision = COARSE if quick else PRECISE
@@ -220,7 +230,10 @@ def stress(
 
 
 def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool) -> list[Cell]:
-    """Run cells, those with equal time limits together; returns the results in the cells' order."""
+    """Run cells, those with equal time limits together; returns the results in the cells' order.
+
+    ``study`` keeps them, and makes none that it has.
+    """
     by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds, alike in sorted(by_seconds.items()):

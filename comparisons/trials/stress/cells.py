@@ -52,7 +52,11 @@ MEASURED = ("joint_gap",)
 
 
 class StressVerdict(StrEnum):
-    """The verdict of a cell."""
+    """The verdict of a cell.
+
+    WITHIN, OVER and ALARM are right motions: with errors within limits, over one, or flagged by a check all the same;
+    wrong ones are CAUGHT by a check or MISSED by all.
+    """
 
     WITHIN = "within limit"
     OVER = "over limit"
@@ -109,7 +113,7 @@ class Cell(RunRecord):
 
 @cache
 def tables() -> dict[str, Any]:
-    """The table of the maps' axes, and the words for each check that may fail, read once."""
+    """The table of the maps' axes, "axis", and the words for each check that may fail, "alarms", read once."""
     return tomllib.loads(Path(__file__).with_name("axes.toml").read_text(encoding="utf-8"))
 
 
@@ -168,7 +172,7 @@ class Conditions:
 
     @property
     def differing(self) -> dict[str, Any]:
-        """The conditions that differ from the defaults, by name, JSON-ready."""
+        """The conditions that differ from the defaults, by name, JSON-ready; not ``label``, ``quick``, ``most``."""
         of_row = {"label", "quick", "most"}
         return dict(TypeAdapter(Conditions).dump_python(self, mode="json", exclude_defaults=True, exclude=of_row))
 
@@ -179,12 +183,15 @@ class Conditions:
 
     @property
     def step(self) -> float:
-        """The step, s, of a method at this speed."""
+        """The step, s, of a method at this speed, by ``steps_per_turn``, which must not be 0."""
         return 2.0 * math.pi / self.rate / self.steps_per_turn
 
 
 def linkage(conditions: Conditions) -> Linkage:
-    """The linkage of a cell, changed as its conditions say, under its original name."""
+    """The linkage of a cell, changed as its conditions say, under its original name.
+
+    Raises LinkproofError for a linkage that cannot be loaded or changed so, KeyError for a link that it lacks.
+    """
     name = conditions.linkage
     changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
@@ -204,7 +211,7 @@ def linkage(conditions: Conditions) -> Linkage:
 
 
 def motion(conditions: Conditions) -> CrankMotion:
-    """The crank motion of a cell whose crank is driven."""
+    """The crank motion of a cell whose crank is driven; raises LinkproofError for a wrong regime or number."""
     turn, start = 2.0 * math.pi / conditions.rate, math.radians(conditions.start_angle)
     if conditions.motion == REVERSAL:
         return reversal(conditions.rate, start, conditions.hold_turns * turn, conditions.reversal_turns * turn)
@@ -221,8 +228,8 @@ def motion(conditions: Conditions) -> CrankMotion:
 def reversal(speed: float, start_angle: float, hold: float, change: float) -> CrankMotion:
     """A motion that turns to the other direction and back, at constant speed before, between and after.
 
-    Each change takes ``change``, each constant part ``hold``, s. The change follows a quintic, so that the acceleration
-    is continuous.
+    ``speed`` is in rad/s, ``start_angle`` in rad. Each change takes ``change``, each constant part ``hold``, s. The
+    change follows a quintic, so that the acceleration is continuous.
     """
     segments: list[Segment] = []
     time, angle = 0.0, start_angle
@@ -265,7 +272,11 @@ def case(conditions: Conditions) -> Case:
 
 
 def scene(conditions: Conditions, case: Case) -> Scene:
-    """The scene of a cell, with every channel and, if its conditions say so, a disturbed start."""
+    """The scene of a cell, with every channel and, if its conditions say so, a disturbed start.
+
+    ``case`` is the conditions' own. Positions or velocities of all mass centres are off by as much, each in a direction
+    of its own: ``disturbance`` is a share of the scene's size, of velocities of the size times the speed.
+    """
     undisturbed, level = case.scene(frozenset(Channel)), conditions.disturbed
     if not level:
         return undisturbed
@@ -314,7 +325,10 @@ class Axis:
         return rows[label]
 
     def conditions(self, label: str, value: float) -> Conditions:
-        """The conditions of a cell: those of the row with this label, with the axis' value set."""
+        """The conditions of a cell: those of the row with this label, with the axis' value set.
+
+        Raises UnknownNameError for another label.
+        """
         varied: dict[str, Any] = {self.vary: value}
         return replace(self.row(label), **varied)
 
@@ -335,7 +349,7 @@ def axes() -> Mapping[str, Axis]:
 
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
-    """The axes of these names, by default all, in the table's order; raises UnknownNameError."""
+    """The axes of these names, by default all, each once, in the table's order; raises UnknownNameError."""
     known, chosen = axes(), list(names)
     for name in chosen:
         if name not in known:
@@ -344,9 +358,10 @@ def chosen_axes(names: Iterable[str]) -> list[Axis]:
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:
-    """Names of the settings and methods in which an engine is run on an axis.
+    """Names of the settings and methods in which an engine is run on an axis; ``adapter`` is the engine's.
 
-    Methods that it does not offer are left out.
+    Methods that it does not offer, or whose effort has another unit than the axis, are left out; if it raises when
+    asked, none is.
     """
     if not axis.methods:
         return list(axis.settings)
@@ -360,16 +375,20 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
 
 
 def cell_at(axis: Axis, row: str, value: float, engine: str, usage: str) -> Cell:
-    """A cell before it is run; ``usage`` is a setting or the name of a method."""
+    """A cell before it is run; ``usage`` is a setting or the name of a method, ``row`` a label.
+
+    Raises UnknownNameError for a row that the axis lacks.
+    """
     conditions = axis.conditions(row, value)
     names = (conditions.linkage, "", conditions.motion, f"{axis.name}, {row}: {value:.6g}", engine, "", usage)
     return Cell(*names, axis=axis.name, row=row, value=value, differing=conditions.differing)
 
 
 def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
-    """Every cell of these axes in these engines; ``only`` keeps the usages of these names.
+    """Every cell of these axes in these engines, not yet run; ``only`` keeps the usages of these names, () all.
 
-    A ``quick`` map has fewer rows and values. Raises LinkproofError where there is none.
+    A ``quick`` map has fewer rows and values. Raises LinkproofError where there is none, UnknownNameError for an
+    engine.
     """
     found = []
     for axis in chosen:
@@ -384,9 +403,9 @@ def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = 
 
 
 def find_cell(key: str) -> Cell:
-    """The cell of a key, not yet run; its value may be any number.
+    """The cell of a key, ``Cell.key``, not yet run; its value may be any number.
 
-    Raises UnknownNameError, or LinkproofError for a text that is no key.
+    Raises UnknownNameError for an axis, row, engine or usage, or LinkproofError for a text that is no key.
     """
     try:
         name, row, value, engine_name, usage = key.split("/")
@@ -405,7 +424,10 @@ def find_cell(key: str) -> Cell:
 
 
 def run_cell(cell: Cell) -> Cell:
-    """Make a cell's run in this process and judge it: a copy of the cell with its result; raises AdapterError."""
+    """Make a cell's run in this process and judge it: a copy of the cell with its result; raises AdapterError.
+
+    One whose engine is absent, or whose case has no motion, is not run and says why.
+    """
     begun, adapter = time.perf_counter(), engine(cell.engine)
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     with blamed_on(adapter):
@@ -425,12 +447,15 @@ def run_cell(cell: Cell) -> Cell:
 
 
 def lost(loss: Lost, cell: Cell) -> Cell:
-    """A copy of the cell with the verdict for a worker that gave no result."""
+    """A copy of the cell with the verdict and the reason of a worker that gave no result."""
     return replace(cell, verdict=StressVerdict(loss.outcome.value), reason=loss.reason)
 
 
 def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> EngineRun:
-    """The engine's run of a scene in a setting, or by a method at the conditions' step."""
+    """The engine's run of a scene in a setting, or by a method at the conditions' step and effort.
+
+    Raises AdapterError where the adapter raises.
+    """
     if usage in [*Setting]:
         return run_engine(adapter, given, Setting(usage))
     assert isinstance(adapter, StudiedEngine)
@@ -447,8 +472,9 @@ def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions
 def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
     """A sentence for each kind of signal farther from the closed form than ``WRONG``; [] if there is none.
 
-    Of all positions, and of all velocities, the worst one is named. A motion with too much time without samples has a
-    sentence, too. Raises LinkproofError where the closed form has no value.
+    Of all positions, and of all velocities, the worst one is named, and so is the torque and each joint's force. A
+    motion with too much time without samples has a sentence, too. Raises LinkproofError where the closed form has no
+    value.
     """
     errors = signal_errors(case, motion.scene, motion.history, JUDGED)
     kinds = grouped(((e.read.channel, "" if e.read.channel in LEVELS else e.read.name), e) for e in errors).values()
@@ -463,7 +489,7 @@ def wrong_signals(case: Case, motion: ObservedMotion) -> list[str]:
 
 
 def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
-    """Share of the duration between samples that lie half a turn and more apart."""
+    """Share of the duration, of 1, between samples that lie more than half a turn of the true crank apart."""
     time = motion.signal(Channel.POSITION).time
     blind = np.abs(np.diff(case.motion.angle(time))) > HALF_TURN
     return float(np.sum(np.diff(time)[blind])) / case.motion.duration
@@ -472,8 +498,8 @@ def _unsampled_share(case: Case, motion: ObservedMotion) -> float:
 def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engine) -> Cell:
     """A copy of the cell with a verdict on its run, by the limits of ``tuned``, or of ``best`` where that was run.
 
-    The limits of ``naive`` would hide a wrong motion. Where the closed form itself has no motion, no motion is right,
-    and the invariants have to flag it.
+    ``made`` is the run of the scene; one that has not finished gives its outcome. The limits of ``naive`` would hide a
+    wrong motion. Where the closed form itself has no motion, no motion is right, and the invariants have to flag it.
     """
     if made.outcome is not Outcome.FINISHED or made.history is None:
         return replace(cell, verdict=StressVerdict(made.outcome.value), reason=made.reason)
@@ -505,7 +531,10 @@ def judged(cell: Cell, case: Case, scene: Scene, made: EngineRun, adapter: Engin
 
 
 def _run_to_judge(case: Case, setting: str) -> RunRecord:
-    """A record whose setting and regime select the limits by which the cell is judged."""
+    """A record, of no engine, whose setting and regime select the limits by which the cell is judged.
+
+    The setting is ``best`` or ``tuned``, the regime a run-up for any other prescribed motion.
+    """
     regime = case.motion.regime if case.is_prescribed else OWN
     if case.is_prescribed and regime not in REGIMES:
         regime = "run-up" if case.motion.jumps else "run-up-quintic"
@@ -513,7 +542,10 @@ def _run_to_judge(case: Case, setting: str) -> RunRecord:
 
 
 def _worst_first(errors: Iterable[Error]) -> list[Error]:
-    """Copies of the judged errors with finite numbers, the one that uses most of its limit first."""
+    """Copies of the judged errors with finite numbers, the one that uses most of its limit first; others are left out.
+
+    ``error_max`` takes the error at jumps where this is larger and over the limit; LARGEST stands for nan and infinity.
+    """
     rows = []
     for error in errors:
         if Verdict(error.outcome).judged and error.error_max is not None and error.limit is not None:
@@ -524,7 +556,10 @@ def _worst_first(errors: Iterable[Error]) -> list[Error]:
 
 
 def _alarm_words(check: Error, motion: ObservedMotion) -> str:
-    """The sentence of a check about a motion, with the instant and, for an open joint, the joint."""
+    """The sentence of a check about a motion, with the instant and, for an open joint, the joint.
+
+    Raises KeyError for a check without words in ``tables``.
+    """
     at = check.worst_time
     gaps = motion.joint_gaps(np.array([at or 0.0]))
     joint = max(gaps, key=lambda name: float(gaps[name][0]))

@@ -51,7 +51,7 @@ def longest_step(case: Case, steps_per_turn: float) -> float:
 
 
 def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
-    """The quantities that a case has, by those of the ``names`` that it has.
+    """The quantities that a case has, by those of the ``names`` that it has; other names are left out.
 
     ``joint_force`` stands for all joints' forces. φ belongs to every case: under a prescribed motion it shows how well
     the drive is followed.
@@ -107,7 +107,7 @@ def measure(
 
 
 def _with_run(blank: BenchRun, run: Run) -> BenchRun:
-    """A copy of the ``blank`` record with outcome, times and steps of a run."""
+    """A copy of the ``blank`` record with outcome, reason, times and steps of a run; 0 ``runs`` without a history."""
     return replace(
         blank,
         outcome=run.outcome.value,
@@ -123,9 +123,10 @@ def _with_run(blank: BenchRun, run: Run) -> BenchRun:
 def _family_errors(
     case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion, blank: Error
 ) -> Iterator[Error]:
-    """Yield a motion's errors, of a family of quantities the worst member's.
+    """Yield a motion's errors, of a family of quantities the worst member's, under the family's name.
 
-    Each says what the engine does not tell.
+    Each says in ``detail`` what the engine does not tell. Raises NoSampleError where a quantity has no sample to
+    compare.
     """
     alone = replace(case)  # the closed form on this clock goes when the point is done
     for name, family in families.items():
@@ -189,7 +190,10 @@ class Clock:
         self.inside = 0.0
 
     def around(self, function: Callable[..., Any], sign: float = 1.0) -> Callable[..., Any]:
-        """The function made to add its time to ``inside``, or to subtract it for a ``sign`` of -1."""
+        """The function made to add its time to ``inside``, or to subtract it for a ``sign`` of -1.
+
+        Arguments, result and exceptions are the function's own.
+        """
 
         def clocked(*given: Any, **named: Any) -> Any:  # noqa: ANN401 - whatever the function takes
             """Call the function, whose result it returns, and add its time, s, with the sign, to ``inside``."""
@@ -202,14 +206,19 @@ class Clock:
         return clocked
 
     def around_callbacks(self, setter: Callable[..., Any]) -> Callable[..., Any]:
-        """The function ``setter`` made to hand on a callback whose time is subtracted from ``inside``."""
+        """The function ``setter`` made to hand on a callback whose time is subtracted from ``inside``.
+
+        ``setter(callback)`` takes the callback, or None, and its result comes back.
+        """
         return lambda function: setter(function and self.around(function, -1.0))
 
 
 def engine_seconds(adapter: Engine, run: Callable[[], Run]) -> float | None:
-    """Wall time of a run inside the engine's own calls, s.
+    """Wall time, s, inside the engine's own calls in a run that ``run()`` makes; None, without one, if none is named.
 
-    None, without a run, if the adapter does not name these calls. The clock slows the run.
+    The adapter names these calls, as dotted paths, in ``engine_calls``, and in ``callback_calls`` those that take a
+    function of its own for the engine to call back. They are wrapped in place for the time of the run. The clock slows
+    the run.
     """
     clock = Clock()
     wrappers = dict.fromkeys(getattr(adapter, "engine_calls", ()), clock.around)
@@ -301,7 +310,11 @@ class PointSweep:
             self.measurements.append(measurement)
 
     def _why_ended(self) -> str:
-        """Why the sweep has no next point, in words; "" while it goes on."""
+        """Why the sweep has no next point, in words; "" while it goes on.
+
+        It ends at the last point, at a failure that ends it, and after ``FEWEST`` points where no error improves or the
+        next one would take longer than the budget.
+        """
         done = self.measurements
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._why_failed()
@@ -319,7 +332,7 @@ class PointSweep:
         return ""
 
     def _estimated_seconds(self, point: BenchRun) -> float:
-        """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells."""
+        """Estimated time of a point, s, from the cheapest set-up and step so far, without slow spells; 0 before any."""
         rates = [run.seconds / run.steps_per_turn for run in self.measurements if run.steps_per_turn and run.seconds]
         setup = min((measurement.setup_seconds for measurement in self.measurements), default=0.0)
         return setup + min(rates, default=0.0) * (point.steps_per_turn or 0.0)
@@ -361,7 +374,10 @@ class Rounds:
     """
 
     def __init__(self, request: BenchRequest, announce: Announce, finished: Runs | None) -> None:
-        """Begin the time of a benchmark: its deadline counts from now."""
+        """Begin the time of a benchmark: its deadline counts from now.
+
+        ``finished`` keeps the measurements, and None makes a temporary file do so; ``announce`` hears of each.
+        """
         self.request, self.extent = request, request.extent
         self.pickled = [pickle.dumps(case) for case in request.cases]
         self.ends = time.monotonic() + request.extent.deadline
@@ -370,7 +386,10 @@ class Rounds:
         )
 
     def run(self, number: int, batch: Sequence[tuple[PointSweep, BenchRun]]) -> None:
-        """Measure the points of a ``batch``, each of its sweep, in the round ``number``, as long as there is time."""
+        """Measure the points of a ``batch``, each of its sweep, in the round ``number``, as long as there is time.
+
+        The first round is 0. Results are kept for ``measurement``. Raises LinkproofError where no worker can start.
+        """
         tasks = [self._point_task(number, sweep, point) for sweep, point in batch]
         self.study.expect(tasks)
         bounds = RunBounds(seconds=min(HANG_SECONDS + 20.0 * self.extent.budget, max(1.0, self.seconds_left())))
@@ -379,7 +398,7 @@ class Rounds:
                 pass
 
     def measurement(self, number: int, point: BenchRun) -> BenchRun | None:
-        """The measurement of a point in a round; None if it was not measured."""
+        """The measurement of a point in a round, from 0; None if it was not measured."""
         key = _task_key(number, point)
         return self.study.result(key) if self.study.has(key) else None
 
@@ -389,7 +408,10 @@ class Rounds:
         return [run for run in every if run.outcome == Outcome.FINISHED]
 
     def is_worth_repeating(self, point: BenchRun, number: int) -> bool:
-        """Whether a point takes part in the round ``number``: it has finished, and its repeats were short enough."""
+        """Whether a point takes part in the round ``number``: it has finished, and its repeats were short enough.
+
+        Their set-up and stepping have taken less than ``patience`` together.
+        """
         before = self.repeats(point, number)
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
@@ -438,10 +460,10 @@ def _task_key(number: int, point: BenchRun) -> str:
 
 
 def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished: Runs | None = None) -> Bench:
-    """Measure everything requested, round after round; ``finished`` points are not measured again.
+    """Measure everything requested, round after round; ``finished`` points are not measured again, new ones are added.
 
-    ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
-    is made.
+    ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError for an engine
+    before any run is made, LinkproofError where no worker can start.
     """
     sweeps = list(_sweeps(request))
     rounds = Rounds(request, announce, finished)
@@ -463,7 +485,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, finished:
 
 
 def _document(request: BenchRequest) -> dict[str, Any]:
-    """The benchmark without its points, JSON-ready."""
+    """The benchmark without its points, JSON-ready, as ``SavedBench``."""
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in request.cases}
     return {
         "command": request.command,
@@ -479,7 +501,7 @@ def _document(request: BenchRequest) -> dict[str, Any]:
 
 
 def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
-    """The engines' descriptions of their methods, each once, JSON-ready."""
+    """The engines' descriptions of the requested methods, each once, JSON-ready: "engine" and ``Method``'s fields."""
     methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
         for name in request.engines:
@@ -489,9 +511,9 @@ def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
-    """The requested methods of an engine; [] if it cannot be used or studied here.
+    """The requested methods of an engine, named, for a case; [] if it cannot be used or studied here.
 
-    Where the adapter raises, methods of those names, whose runs show what it raises.
+    Where the adapter raises, methods of the requested names, or one, "methods", whose runs show what it raises.
     """
     adapter = engine(name)
     if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
@@ -519,9 +541,9 @@ def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
 def planned_sweeps(
     number: int, case: Case, engine_name: str, methods: Sequence[Method], request: BenchRequest
 ) -> Iterator[PointSweep]:
-    """Yield the sweeps of one engine on the case numbered ``number``: settings first, then methods.
+    """Yield the sweeps of one engine on the case numbered ``number``: settings first, then these ``methods``.
 
-    With ``fronts_only`` only those that it asks for.
+    Settings and extent are the request's; with ``fronts_only`` only those that it asks for.
     """
     settings, extent = request.settings, request.extent
     if extent.fronts_only:
@@ -535,12 +557,16 @@ def planned_sweeps(
 
 
 def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Method]:
-    """The last-named method of one run, or of several runs if ``extrapolated``, as a list; [] without one."""
+    """The last-named method of one run, or of several runs if ``extrapolated``, as a list of one; [] without one."""
     return [method for method in methods if (method.runs > 1) == extrapolated][-1:]
 
 
 def blank_run(case: Case, name: str, usage: Setting | Method | None, steps_per_turn: float | None = None) -> BenchRun:
-    """The run of a case in an engine by a ``usage``, a setting or a method at a step, before it is made."""
+    """The run of a case in an engine by a ``usage``, a setting or a method at a step, before it is made.
+
+    ``name`` is the engine's; a ``usage`` of None is that of an engine that cannot be used. A method's step is that of
+    ``steps_per_turn``; None of a setting. Raises UnknownNameError.
+    """
     adapter, method = engine(name), usage if isinstance(usage, Method) else None
     own = run_of(case, method.name if method else str(usage or ""), name, adapter.version() or "")
     return BenchRun(
@@ -569,7 +595,10 @@ def _sweep_groups(cases: Sequence[Case], sweeps: Sequence[PointSweep]) -> list[l
         known.add(kinds)
 
     def place(sweep: PointSweep) -> tuple[bool, bool, int]:
-        """The sort key of a sweep: first of its structure, then single runs, then the order of cases."""
+        """The sort key of a sweep: first of its structure, then single runs, then the order of cases.
+
+        Sweeps of equal keys are a group.
+        """
         is_extrapolated = isinstance(sweep.usage, Method) and sweep.usage.runs > 1
         return repeated[sweep.case], is_extrapolated, sweep.case
 

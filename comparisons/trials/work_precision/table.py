@@ -83,9 +83,9 @@ class BenchRun(RunRecord):
     def columns(self, quantities: Sequence[str]) -> Iterator[dict[str, Any]]:
         """Yield a row for each of its quantities; of one that did not finish, for each of those requested.
 
-        A quantity that the engine does not tell at all is not provided there. ``finished`` has both an error and a
-        time, ``left_out`` says what of a quantity the engine does not tell, ``label`` is the engine's name for
-        a reader.
+        A row has the fields of the run, values derived from it, and those of the quantity's error, by name. A quantity
+        that the engine does not tell at all is not provided there. ``finished`` has both an error and a time,
+        ``left_out`` says what of a quantity the engine does not tell, ``label`` is the engine's name for a reader.
         """
         derived = ("key", "total_seconds", "seconds_median", "overhead", "is_extrapolated")
         own = vars(self) | {name: getattr(self, name) for name in derived}
@@ -130,7 +130,7 @@ class Bench:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document and all points with the orders of their sweeps by quantity, JSON-ready."""
+        """The document and all points with the orders of their sweeps by quantity, JSON-ready, as a new dictionary."""
         orders: dict[str, dict[str, float]] = {point.key: {} for point in self.points}
         for (key, quantity), order in sweep_orders(self.table).items():
             orders[key][quantity] = order
@@ -138,7 +138,7 @@ class Bench:
 
     @cached_property
     def table(self) -> DataFrame:
-        """A row for every point and quantity, with ``BenchRun.columns`` and the ``order`` of the point's sweep."""
+        """A row for every point and quantity: ``BenchRun.columns``, and the ``order`` of the point's sweep or None."""
         from pandas import DataFrame, Series  # noqa: PLC0415  half a second that a worker process saves
 
         rows = [row for point in self.points for row in point.columns(self.document["quantities"])]
@@ -148,7 +148,10 @@ class Bench:
 
     @cached_property
     def noise(self) -> float:
-        """The share by which repeats of a point scatter: median over shortest less 1, in the median of all points."""
+        """The share by which repeats of a point scatter: median over shortest less 1, in the median of all points.
+
+        It is 0 where no point has repeats.
+        """
         excess = [point.seconds_median / min(point.repeats) - 1.0 for point in self.points if len(point.repeats) > 1]
         return statistics.median(excess) if excess else 0.0
 
@@ -176,7 +179,10 @@ WANTED = tuple(10.0**-k for k in range(2, 9))
 
 
 def is_falling(errors: Sequence[float]) -> bool:
-    """Whether the last error, of the finest step, is the least, and below the one before by more than scatter."""
+    """Whether the last error, of the finest step, is the least, and below the one before by more than scatter.
+
+    That is by ``LEAST_GAIN``. ``errors`` are from the coarsest step to the finest; one of 0 is not falling.
+    """
     if len(errors) < 2 or int(np.argmin(errors)) < len(errors) - 1 or errors[-1] <= 0.0:
         return False
     return errors[-2] / errors[-1] >= LEAST_GAIN
@@ -185,9 +191,9 @@ def is_falling(errors: Sequence[float]) -> bool:
 def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | None:
     """Slope of log error over log step, coarse to fine, where it is steady; None unless three points agree on it.
 
-    The slope is that of the longest run of refinements whose local slopes agree with their own Theil-Sen slope, which
-    an outlier does not move; of equally long runs the finest counts. Points at the floor or past it, and points so
-    wrong that they are no solution, are left out.
+    ``errors`` are over the peak, not empty. The slope is that of the longest run of refinements whose local slopes
+    agree with their own Theil-Sen slope, which an outlier does not move; of equally long runs the finest counts. Points
+    at the floor or past it, and points so wrong that they are no solution, are left out.
     """
     best, log_steps = int(np.argmin(errors)), np.log(np.asarray(steps, dtype=float))
     log_errors = np.log(np.maximum(np.asarray(errors, dtype=float), np.finfo(float).tiny))
@@ -203,7 +209,7 @@ def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | N
 
 
 def theil_sen(x: Array, y: Array) -> float:
-    """Median of the slopes between all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
+    """Median of the slopes y over x between all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
 
     SciPy's also works out a confidence interval, which costs ten times as much and is not wanted here.
     """
@@ -212,7 +218,10 @@ def theil_sen(x: Array, y: Array) -> float:
 
 
 def _steady_slope(steps: Array, errors: Array) -> float | None:
-    """The slope of a window if every refinement in it has about this slope; else None."""
+    """The slope of a window if every refinement in it has about this slope; else None.
+
+    ``steps`` and ``errors`` are logarithms. It must be ``LEAST_ORDER`` or more, and the error fall by ``LEAST_DROP``.
+    """
     slope = theil_sen(steps, errors)
     local = np.diff(errors) / np.diff(steps)
     steady = bool(np.all(np.abs(local - slope) <= SLOPE_SHARE * abs(slope) + SLOPE_ROOM))
@@ -220,7 +229,7 @@ def _steady_slope(steps: Array, errors: Array) -> float | None:
 
 
 def still_improves(errors: Sequence[float]) -> bool:
-    """Whether another refinement is worth its price.
+    """Whether another refinement is worth its price; ``errors`` are those so far, coarse to fine.
 
     It is not after two in a row that made the error no smaller by more than scatter.
     """
@@ -260,19 +269,22 @@ def _row_type(columns: tuple[str, ...]) -> Row:
 
 
 def sweeps(points: DataFrame) -> list[DataFrame]:
-    """The sweep of every method in every quantity and place: its points that finished, coarse to fine."""
+    """The sweep of every method in every quantity and place: its points that finished, coarse to fine.
+
+    Each is a table of its own; one without a finished point is left out.
+    """
     methods = points[points.finished & (points.kind == METHOD)]
     groups = methods.groupby([*PLACE, "quantity", "engine", "setting"], sort=False)
     return [sweep.sort_values("step", ascending=False, kind="stable") for _, sweep in groups]
 
 
 def least(points: DataFrame) -> Row:
-    """The row of the point with the smallest error."""
+    """The row of the point with the smallest error; every row must have one, and there must be one."""
     return min(rows(points), key=lambda row: row.error_max)
 
 
 def has_floor(sweep: DataFrame) -> bool:
-    """Whether the finest steps fail to lower the least error, so that it is a floor."""
+    """Whether the finest steps fail to lower the least error, so that it is a floor; ``sweep`` is coarse to fine."""
     return len(sweep) > 1 and not is_falling(list(sweep.error_max))
 
 
@@ -289,7 +301,8 @@ def sweep_orders(points: DataFrame) -> dict[tuple[str, str], float]:
 def choices(points: DataFrame) -> list[Row | None]:
     """For every error of ``WANTED`` the cheapest point at or below it; None where there is none.
 
-    A point of a sweep counts if the finer ones, down to the sweep's least error, hold the error too.
+    ``points`` are one engine's in one quantity of a place. A point of a sweep counts if the finer ones, down to the
+    sweep's least error, hold the error too.
     """
     done = points[points.finished]
     settings = rows(done[done.kind == SETTING])
@@ -315,7 +328,10 @@ Regimes: TypeAlias = "Mapping[str, Sequence[DataFrame]]"
 
 
 def by_regime(bench: Bench) -> Regimes:
-    """The places of each regime, a mechanism's rows each, where something finished, in the order measured."""
+    """The places of each regime, a mechanism's rows each, where something finished, in the order measured.
+
+    Keys are the regimes' names.
+    """
     regimes: dict[str, list[DataFrame]] = {}
     for place in places(bench):
         if place.finished.any():
@@ -324,17 +340,17 @@ def by_regime(bench: Bench) -> Regimes:
 
 
 def places(bench: Bench) -> list[DataFrame]:
-    """The rows of a benchmark divided by mechanism and regime, in the order measured."""
+    """The rows of a benchmark divided by mechanism, variant and regime, a table each, in the order measured."""
     return [place for _, place in bench.table.groupby(PLACE, sort=False)]
 
 
 def quantities(place: DataFrame) -> list[str]:
-    """Quantities that were measured in a place, in the requested order."""
+    """Names of the quantities that were measured in a place, in the requested order."""
     return list(place.quantity[place.finished].unique())
 
 
 def foremost(place: DataFrame) -> str:
-    """The quantity by which a place is judged: the first of ``FOREMOST`` measured, else the first that is.
+    """The name of the quantity by which a place is judged: the first of ``FOREMOST`` measured, else the first that is.
 
     Where nothing finished, the first requested.
     """
@@ -343,6 +359,6 @@ def foremost(place: DataFrame) -> str:
 
 
 def engines(place: DataFrame, quantity: str = "") -> list[DataFrame]:
-    """Every engine's rows in a quantity of a place, the foremost by default; the control's last."""
+    """Every engine's rows in a quantity of a place, a table each, the foremost by default; the control's last."""
     mine = place[place.quantity == (quantity or foremost(place))]
     return sorted((points for _, points in mine.groupby("engine", sort=False)), key=lambda rows: rows.is_control.any())
