@@ -25,8 +25,9 @@ from analytic.numerics.arrays import Array
 class GroupBranch:
     """Nodes over φ, ``coordinate`` (m,), rad or m, increasing: ``state`` (m, 3, links, 3), x, y, θ and derivatives.
 
-    ``turns`` (links,) is each link's angle per turn of a crank that returns to its start, rad; None for a branch with
-    two ends. ``strays`` says that a turn of the crank ends in another configuration.
+    ``unit``, m, is the length that weighs like a radian. ``turns`` (links,) is each link's angle per turn of a crank
+    that returns to its start, rad; None for a branch with two ends. ``is_linear`` says that φ is a travel, m.
+    ``strays`` says that a turn of the crank ends in another configuration.
     """
 
     coordinate: Array
@@ -42,9 +43,9 @@ class GroupBranch:
         return float(self.coordinate[0]), float(self.coordinate[-1])
 
     def wrapped(self, coordinate: Array) -> Array:
-        """φ shifted by whole turns of a crank into the range of the nodes, or nearest to its middle.
+        """φ, rad, any shape, shifted by whole turns of a crank into the range of the nodes, or nearest to its middle.
 
-        Of a linear driver as it is.
+        Of a linear driver, and of a branch with two ends that spans a turn, as it is.
         """
         if self.is_linear:
             return coordinate
@@ -56,21 +57,25 @@ class GroupBranch:
         return coordinate - FULL_TURN * np.round((coordinate - 0.5 * (low + high)) / FULL_TURN)
 
     def margin(self, coordinate: Array) -> Array:
-        """Distance of φ, rad or m, from the nearer end, negative outside; infinite where there are no ends."""
+        """Distance of φ, rad or m, any shape, from the nearer end, negative outside; infinite without ends."""
         if self.turns is not None:
             return np.full(np.shape(coordinate), np.inf)
         at, (low, high) = self.wrapped(coordinate), self.ends
         return np.asarray(np.minimum(at - low, high - at))
 
     def guess(self, coordinate: Array) -> Array:
-        """Coordinates of the links near the exact ones, (n, links, 3), by quintics between the nodes."""
+        """Coordinates x, y, θ of the links near the exact ones at φ (n,), (n, links, 3), by quintics between the nodes.
+
+        Of a branch without ends θ may be off by whole turns.
+        """
         return quintic(self.coordinate, self.state, self.wrapped(coordinate))
 
 
 def quintic(places: Array, state: Array, at: Array) -> Array:
-    """Hermite's quintics through both neighbours' values and derivatives (``state``), at ``at`` (n,): (n, links, 3).
+    """Hermite's quintics through both neighbours' values and derivatives, at ``at`` (n,): (n, links, 3).
 
-    Beyond the outermost places the value is theirs.
+    ``places`` (m,) increase, ``state`` (m, 3, links, 3) has values, first and second derivatives there. Beyond the
+    outermost places the value is theirs.
     """
     if len(places) == 1:
         return np.repeat(state[:, 0], len(at), axis=0)
@@ -102,7 +107,10 @@ INNER: Final = 0.05  # of half a patch: nearer than any node
 
 
 class Touch(NamedTuple):
-    """A crank angle, rad, at which a dyad's margin is a rounding, m, of the lengths; and the outer pins' gap there."""
+    """A crank angle, rad, at which a dyad's links just reach each other: its ``margin`` of reach, m, is a rounding.
+
+    ``lengths``, m, are the sum of those that it is computed from, ``gap`` is the outer pins' distance there, m.
+    """
 
     angle: Any
     margin: Any
@@ -114,7 +122,8 @@ class Touch(NamedTuple):
 class Patch:
     """The surroundings of a change point, up to ``half`` on either side, rad.
 
-    ``series``: by order of derivative the coefficients (NODES, 8 or 6) of both links' poses, rates, accelerations.
+    ``series``: by order of derivative the coefficients (NODES, 8 or 6) of both links' poses, rates, accelerations,
+    those of the first link first; ``extended`` are the same with more digits.
     """
 
     touch: Touch
@@ -123,7 +132,10 @@ class Patch:
     extended: tuple[NDArray[np.longdouble], ...]
 
     def values(self, order: int, polynomials: Any) -> Any:  # noqa: ANN401 - of either precision
-        """The numbers of both links, or their derivatives of an order, by ``Window.polynomials``: (8 or 6, n)."""
+        """The numbers of both links' poses, (8, n), or of their derivatives of an order, (6, n).
+
+        ``polynomials`` are those of a ``Window``, (n, NODES), whose precision the answer has.
+        """
         series = self.extended if polynomials.dtype == np.longdouble else self.series
         with np.errstate(invalid="ignore"):  # a series that is not finite leaves its angles without an answer
             return (polynomials @ series[order]).T  # faster than chebval
@@ -131,7 +143,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Flat indices of the crank angles within a patch, and their places there, in [-1, 1]."""
+    """Flat indices of the crank angles within a patch, and their places there, in [-1, 1], (n,) each."""
 
     within: NDArray[np.intp]
     place: Any
@@ -148,7 +160,10 @@ Windows = dict[tuple[float, float, float], Window]
 
 @dataclass(frozen=True, eq=False)
 class ChangePoints:
-    """Change points of a dyad: crank angles, rad, rising within ``period``, the sign W before the first, patches."""
+    """Change points of a dyad: crank angles, rad, rising within ``period``, the sign W before the first, patches.
+
+    ``period``, rad, is a turn or several.
+    """
 
     angles: tuple[float, ...]
     period: float
@@ -156,15 +171,15 @@ class ChangePoints:
     patches: tuple[Patch, ...] = ()
 
     def signs(self, angle: Any) -> Array:  # noqa: ANN401 - of either precision
-        """The sign W of the dyad at crank angles, rad: 1 or -1, which changes at every change point."""
+        """The sign W of the dyad at crank angles, rad, any shape: 1.0 or -1.0, changing at every change point."""
         passed = np.searchsorted(self.angles, np.mod(angle, self.period), "right")
         return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
 
     def patches_at(self, angle: Any, known: Windows) -> Iterator[tuple[Patch, Window]]:  # noqa: ANN401
         """Yield each patch that holds some of the crank angles, rad, with its window of them.
 
-        ``known`` keeps the windows found for these angles. In extended precision only angles nearer to a change point
-        than any node count.
+        ``known`` has the windows found for these angles before, and gets the new ones. Of angles in extended precision
+        only those count that are nearer to a change point than a twentieth of half its patch.
         """
         for patch in self.patches:
             centre = float(patch.touch.angle)
@@ -182,7 +197,7 @@ class ChangePoints:
         """Whether the dyad can move at each crank angle, rad: where ``away`` is True, and within patches.
 
         ``away`` says which angles are far enough from dead positions; ``known`` has the windows of patches found
-        before.
+        before, and gets the new ones.
         """
         result = np.empty(np.shape(angle), dtype=bool)
         result[...] = away
@@ -194,7 +209,7 @@ class ChangePoints:
         """The poses of both links, or their derivatives of an ``order``: ``pair``, but the series within patches.
 
         The pair is returned as it is where no crank angle, rad, lies in a patch. ``known`` has the windows of patches
-        found before.
+        found before, and gets the new ones.
         """
         result, size = None, len(pair[0])
         for patch, window in self.patches_at(angle, known):
@@ -227,7 +242,11 @@ Points = Mapping[str, Mapping[str, Vector]]  # of links, by name, in their frame
 
 
 def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
-    """Positions, m, of the named points of links, by name, for one pose per link."""
+    """Positions, m, ground frame, of the named points of links, by the points' names.
+
+    ``points`` has, by link, each point's place in its frame, m; ``poses`` one pose per link, in that order, of a single
+    φ, or of several, of which the first counts. Raises ValueError for another number of poses.
+    """
     places = {}
     for locals_, pose in zip(points.values(), poses, strict=True):
         for point, local in locals_.items():
@@ -237,7 +256,11 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 
 
 def nearest_to_sketch(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
-    """The index of the configuration nearest to the sketch, and None; where that is unclear, names of points to add."""
+    """The index of the configuration nearest to the sketch, and None; where that is unclear, names of points to add.
+
+    ``places`` has for each configuration the positions of points, m, by name. The names are of points that differ
+    between the nearest two, sorted; there may be none.
+    """
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))
         for configuration in places

@@ -43,7 +43,7 @@ class Toggle:
 
     @property
     def sentence(self) -> str:
-        """The position in words, with its links."""
+        """The position in words, with its links, to follow the place it is at; it has no full stop."""
         return f"{self.dyad.name}: {self.reason}" if self.dyad else self.reason
 
 
@@ -84,7 +84,7 @@ class CrankRange:
     def check(self, first: float, last: float, linkage: str) -> None:
         """Raise AssemblyError where a motion from ``first`` to ``last``, rad or m, leaves the range.
 
-        ``linkage`` is the name.
+        ``linkage`` is the name for the message; a crank without limits may go anywhere.
         """
         if self.is_full_turn:
             return
@@ -125,7 +125,7 @@ def _cylinder_ends(
 ) -> tuple[Toggle | None, Toggle | None]:
     """The ends of a pushed driver's range: ``low`` and ``high``, or the ends of its cylinder that come before them.
 
-    None is no end.
+    None is no end, or no cylinder.
     """
     shortest, longest = (None, None) if cylinder is None else (cylinder.shortest, cylinder.longest)
     if shortest is not None and (low is None or low.angle < shortest):
@@ -139,7 +139,10 @@ class _Margins:
     """The margins of a linkage's groups over the crank angle: the lengths left before links fail to meet."""
 
     def __init__(self, linkage: Linkage, structure: Structure, start: float) -> None:
-        """Note each group's sign at ``start``, rad; raises AssemblyError where it cannot be assembled there."""
+        """Note each group's sign at ``start``, rad or m.
+
+        Raises AssemblyError where the linkage cannot be assembled there.
+        """
         self.structure, self.start = structure, start
         here = np.array([start])
         sweep = Sweep(linkage, structure, here)
@@ -154,7 +157,7 @@ class _Margins:
         self.offsets = self.radian * np.concatenate(steps)
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
-        """The solvers of all groups at φ, rad or m, their poses worked out, whether the links meet or not."""
+        """The solvers of all groups at φ, rad or m, in order, their poses worked out, whether the links meet or not."""
         poses = driver_poses(self.structure, angle)
         windows: Windows = {}
         solvers = [solver_of(group, angle, windows) for group in self.structure.groups]
@@ -190,7 +193,10 @@ class _Margins:
         return Toggle(self.start + offset, solver.group, solver.form.dead_position())
 
     def nearest_limit(self, direction: float) -> Toggle | None:
-        """The end of the range in a direction of φ, 1 or -1; None for a crank that turns fully that way."""
+        """The end of the range in a direction of φ, 1 or -1; None where no limit is found.
+
+        A crank is followed for a turn, a driver that is pushed over eight times the drawing's size.
+        """
         offsets = direction * self.offsets
         margins = self.margins(offsets)
         least = -ROUNDING if is_followed(self.structure) else TOUCHING
@@ -212,10 +218,10 @@ class _Margins:
         return self.toggle(at, row)
 
     def _minima_below(self, offsets: Array, margins: Array, least: float) -> Array:
-        """Offsets at minima of a group's margin, refined between samples, where it is below ``least``.
+        """Offsets, rad or m, at minima of a group's margin, refined between samples, where it is below ``least``.
 
-        ``margins`` (groups, n) are those at ``offsets``. Bends at change points, which the linkage passes, are left
-        out.
+        ``margins`` (groups, n) are those at ``offsets`` (n,) from the start. Bends at change points, which the linkage
+        passes, are left out.
         """
         inner = margins[:, 1:-1]
         low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
@@ -234,10 +240,13 @@ class _Margins:
         return np.concatenate([seen, spots[heights < least]])
 
     def _zero_of_margin(self, row: int, good: float, end: float) -> float:
-        """The offset at which the margin of group ``row`` is zero or touches it, between ``good`` and ``end``."""
+        """The offset at which the margin of group ``row`` is zero or touches it, between ``good`` and ``end``.
+
+        All three are rad or m from the start; the margin at ``good`` is not negative.
+        """
 
         def margin(offset: float) -> float:
-            """The margin of the group numbered ``row`` at one offset from the start, rad."""
+            """The margin of the group numbered ``row`` at one offset from the start, rad or m."""
             return float(self.margins(np.array([offset]))[row, 0])
 
         if margin(end) >= 0.0:
@@ -247,7 +256,10 @@ class _Margins:
     def change_points(
         self, low: Toggle | None, high: Toggle | None, undetermined: Sequence[Undetermined]
     ) -> tuple[Toggle, ...]:
-        """Change points within the range, in order; one shared by several dyads is the first dyad's."""
+        """Change points between the limits, in order; one shared by several dyads is the first dyad's.
+
+        Without both limits they are those of a turn from the start; ``undetermined`` ones are among them.
+        """
         known = [(angle, dyad) for dyad in self.structure.dyads if dyad.changes for angle in dyad.changes.angles]
         known += [(angle, dyad) for dyad, angle, _ in undetermined]
         first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)

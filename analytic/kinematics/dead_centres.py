@@ -23,9 +23,10 @@ class DeadCentre:
 
 @once_per_mechanism
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
-    """Every reversal of the output over one turn, by crank angle.
+    """Every reversal of the output over one turn, by ascending crank angle; kept for each mechanism.
 
-    Raises LinkproofError where the output stands still.
+    Raises LinkproofError without an output or where it stands still, AssemblyError where the linkage cannot be
+    assembled or moved over a turn.
     """
     angles = mechanism.output_reversals
     if not len(angles):
@@ -37,7 +38,7 @@ def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
 
 
 def _still_output(mechanism: Mechanism) -> LinkproofError:
-    """The LinkproofError for an output that does not move along its direction."""
+    """The LinkproofError, not raised, for an output that does not move along its direction."""
     output = mechanism.linkage.output
     assert output is not None
     return LinkproofError(
@@ -47,17 +48,23 @@ def _still_output(mechanism: Mechanism) -> LinkproofError:
 
 
 def top_dead_centre(mechanism: Mechanism) -> DeadCentre:
-    """The reversal with the largest coordinate along the output's direction: S = 0 there."""
+    """The reversal with the largest coordinate along the output's direction: S = 0 there.
+
+    Raises as ``dead_centres`` does.
+    """
     return max(dead_centres(mechanism), key=lambda centre: centre.coordinate)
 
 
 def bottom_dead_centre(mechanism: Mechanism) -> DeadCentre:
-    """The reversal with the smallest coordinate along the output's direction: S is the stroke there."""
+    """The reversal with the smallest coordinate along the output's direction: S is the stroke there.
+
+    Raises as ``dead_centres`` does.
+    """
     return min(dead_centres(mechanism), key=lambda centre: centre.coordinate)
 
 
 def stroke(mechanism: Mechanism) -> float:
-    """Distance between the outermost dead centres, m."""
+    """Distance between the outermost dead centres, m; raises as ``dead_centres`` does."""
     return top_dead_centre(mechanism).coordinate - bottom_dead_centre(mechanism).coordinate
 
 
@@ -68,7 +75,10 @@ RANGE_POINTS = 721  # of a range of angles, at which its highest place is looked
 
 @once_per_mechanism
 def top_of_turn(mechanism: Mechanism) -> float | None:
-    """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it."""
+    """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it.
+
+    A linear driver never does. Raises LinkproofError without an output or where it stands still over a full turn.
+    """
     if mechanism.linkage.is_linear:
         return None
     try:
@@ -81,8 +91,9 @@ def top_of_turn(mechanism: Mechanism) -> float | None:
 def farthest_between(mechanism: Mechanism, angle: Array) -> float:
     """The output's coordinate at which S is 0, m, where the crank moves between the least and the largest angle, rad.
 
-    It is that of the top dead centre where the crank can turn fully, else the highest between them. Raises
-    LinkproofError where the output of a full turn stands still along its direction.
+    It is that of the top dead centre where the crank can turn fully, else the highest between them; 0 without an angle.
+    The angles, of any shape, are travels, m, of a linear driver. Raises LinkproofError without an output and where that
+    of a full turn stands still along its direction, AssemblyError where the linkage cannot be assembled between them.
     """
     top = top_of_turn(mechanism)
     if top is not None:

@@ -24,9 +24,9 @@ class DyadSolver:
     """
 
     def __init__(self, dyad: ClosedGroup, angle: Scalar = None, windows: Windows | None = None) -> None:
-        """Prepare to solve a group; ``angle`` is φ, which change points and cylinders need.
+        """Prepare to solve a group; ``angle`` is φ, rad or m, any shape, which change points and cylinders need.
 
-        ``windows`` are those of φ so far.
+        ``windows`` are those of φ so far, to which new ones are added.
         """
         self.group, self.angle = dyad, angle
         self.windows: Windows = {} if windows is None else windows
@@ -36,7 +36,10 @@ class DyadSolver:
         self.link_poses: tuple[Pose, ...]  # of both sides; of the driving cylinder, which is no link, None
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
-        """Poses of the links, nan where they do not meet; keeps them, and where they can move, for the derivatives."""
+        """Poses of the links, by those of placed bodies by name, nan where they do not meet.
+
+        Keeps them, and in ``moves`` where they can move, for the derivatives.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.poses(self._of_hosts(poses))
             self.moves = self._moves()
@@ -44,12 +47,15 @@ class DyadSolver:
         return _of_links(self.link_poses)
 
     def _of_hosts(self, known: Mapping[str, Any]) -> tuple[Any, Any]:
-        """The poses of both hosts, or a derivative of them, out of those ``known``."""
+        """The poses of both hosts, or a derivative of them, out of those ``known``, by the body's name."""
         first, second = self.hosts
         return known[first], known[second]
 
     def _through_change_points(self, order: int, pair: tuple[Any, ...]) -> tuple[Any, ...]:
-        """``pair`` as the formulas give it, replaced near change points by the series through them."""
+        """``pair`` as the formulas give it, replaced near change points by the series through them.
+
+        It has both links' poses, or their derivatives of an ``order``.
+        """
         changes = self.group.changes
         return pair if changes is None else changes.with_series(self.angle, order, pair, self.windows)
 
@@ -63,19 +69,25 @@ class DyadSolver:
         return determinant < -least if self.group.sign < 0 else abs(determinant) > least
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Derivatives over φ of the links' poses, from those of the hosts; the poses must be known."""
+        """Derivatives over φ of the links' poses, from those of placed bodies by name; the poses must be known."""
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.rates(self._of_hosts(rates), self.link_poses)
         return _of_links(self._through_change_points(1, pair))
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Second derivatives over φ of the links' poses, from the hosts'; the rates must be known."""
+        """Second derivatives over φ of the links' poses, from those of placed bodies; the rates must be known.
+
+        ``accelerations`` has those of the placed bodies by name.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             pair = self.form.seconds(self._of_hosts(accelerations), self.link_poses)
         return _of_links(self._through_change_points(2, pair))
 
     def severity(self) -> Scalar:
-        """Minus the length, m, by which the links fail to meet; zero where only rounding is missing."""
+        """Minus the length, m, by which the links fail to meet, per φ; zero where only rounding is missing.
+
+        Where a pose is undefined without a length missing it is a tiny number below zero.
+        """
         with np.errstate(invalid="ignore"):
             missing, lengths = self.form.reach_margin()
             short = np.minimum(missing + ROUNDING * lengths, 0.0)
@@ -84,13 +96,16 @@ class DyadSolver:
         return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
 
     def fault(self, at: At, linkage: Linkage) -> Shortfall:
-        """The reason why the links do not meet, at the value of φ that ``at`` picks, as fault and sentence."""
+        """The reason why the links do not meet, at the value of φ that ``at`` picks, as fault and sentence.
+
+        ``at`` turns a number or array over φ into its number there.
+        """
         shortfall: Shortfall = self.form.fault(at, linkage.written)
         return shortfall
 
 
 def _of_links(sides: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The results of links out of those of sides; a cylinder, which is no link, has None."""
+    """The results of links, in order, out of those of sides, of which a cylinder, which is no link, has None."""
     return tuple(part for part in sides if part is not None)
 
 
@@ -102,8 +117,8 @@ def check_assembly(
 ) -> None:
     """Raise AssemblyError at the worst crank angle if the group's links do not meet somewhere; poses must be known.
 
-    With ``faults``, of the angles' shape, these are set True there instead. Raises LinkproofError for an angle that is
-    not finite.
+    With ``faults``, of the angles' shape, these are set True there, in place, instead. Raises LinkproofError for an
+    angle that is not finite, but not with ``faults``.
     """
     if np.all(solver.moves):  # else a longer look: a dead position is no fault of assembly
         return
@@ -122,9 +137,10 @@ def check_assembly(
 def check_motion(
     linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array, faults: Booleans | None = None
 ) -> None:
-    """Raise AssemblyError, or set ``faults``, at the first crank angle with the dyad in a dead position.
+    """Raise AssemblyError at the first crank angle with the dyad in a dead position; poses must be known.
 
-    The branch of a group of a higher class ends before its dead positions.
+    With ``faults``, of the angles' shape, these are set True there, in place, instead. A group of a higher class
+    passes: its branch ends before its dead positions.
     """
     if np.all(solver.moves) or isinstance(solver, GroupSolver):
         return
@@ -142,5 +158,5 @@ def check_motion(
 
 
 def _value_at(value: Scalar, angle: Array, index: int) -> float:
-    """The value at the crank angle of this flat index."""
+    """The number of a value over the crank angles, or of a constant, at the angle of a flat ``index``."""
     return float(np.broadcast_to(value, angle.shape).ravel()[index])

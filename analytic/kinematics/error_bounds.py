@@ -33,7 +33,10 @@ class ErrorBounds:
     """Bounds for every body of a sweep at each of its crank angles: its motion in numbers that carry their errors."""
 
     def __init__(self, sweep: Sweep) -> None:
-        """Bound the errors at the angles of a sweep; those close to a change point move to the nearest node."""
+        """Bound the errors at the angles of a sweep, which become flat; those close to a change point move to a node.
+
+        The sweep itself is left as it is. The node is the nearest one that determines the series there.
+        """
         angle = np.atleast_1d(np.array(sweep.angle, dtype=float)).ravel()
         for dyad in sweep.structure.dyads:
             if dyad.changes:
@@ -45,9 +48,10 @@ class ErrorBounds:
         self.waiting = list(reversed(sweep.structure.groups))
 
     def motion_with_errors(self, body: str) -> Any:  # noqa: ANN401 - pose, rate and acceleration
-        """Pose, rate and acceleration of a body, each number with the bound of its error, in m and rad.
+        """Pose, rate and acceleration of a body by name, each number with the bound of its error, in m and rad.
 
-        Groups before it in the chain are worked out on the first request.
+        Groups before it in the chain are worked out on the first request. Raises AssemblyError where one cannot be
+        assembled or moved.
         """
         with np.errstate(invalid="ignore"):  # 0·∞ behind a dyad whose bound is infinite
             while body not in self.motions:
@@ -57,7 +61,8 @@ class ErrorBounds:
     def point(self, body: str, local: Vector, order: int = 0) -> Array:
         """Bound on the error of a point of a body, m, or of its derivative of order 1 or 2; one per crank angle.
 
-        Infinite where there is none.
+        ``local``, m, is the point's place in the body's frame. Infinite where there is none. Raises AssemblyError where
+        the body cannot be assembled or moved.
         """
         motion = self.motion_with_errors(body)
         with np.errstate(invalid="ignore"):
@@ -66,7 +71,10 @@ class ErrorBounds:
         return np.where(np.isnan(bound), np.inf, bound)
 
     def _bound_group(self, group: AnyGroup) -> None:
-        """Enter the bounds of a group's links into ``motions``, order by order."""
+        """Enter the bounds of a group's links into ``motions``, order by order.
+
+        Those of the bodies that it hangs on are worked out first.
+        """
         steps = (self.sweep.poses, self.sweep.rates, self.sweep.accelerations)
         plain = {body: [self._filled(step(body)) for step in steps] for body in group.links}
         bounded: dict[str, list[Any]] = {body: [] for body in group.links}
@@ -98,14 +106,19 @@ class ErrorBounds:
     def _elimination_error(self, matrix: Array, motions: Array, lengths: Booleans) -> Array:
         """Residual of elimination with pivots in the equations of an order, (n, equations): eps of the largest row.
 
-        (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 9.3.)
+        ``matrix`` (n, equations, unknowns) is the Jacobian, ``motions`` (n, unknowns) its solution; ``lengths``
+        (equations,) marks equations in m. (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section
+        9.3.)
         """
         rows = np.einsum("nij,nj->ni", np.abs(matrix), np.abs(motions))
         scales = np.where(lengths, self.sweep.linkage.extent(), 1.0)
         return np.asarray(EPS * np.max(rows / scales, axis=1)[:, None] * scales)
 
     def _reach(self, group: AnyGroup, poses: dict[str, Any]) -> Array:
-        """Largest distance, m, in the group over which an error of an angle acts, for every crank angle."""
+        """Largest distance, m, in the group over which an error of an angle acts, for every crank angle (n,).
+
+        ``poses`` has those of the group's links and their hosts by name.
+        """
         reaches = [np.zeros(self.sweep.angle.shape)]
         for joint in group.joints:
             if isinstance(joint, Prismatic):
@@ -122,7 +135,7 @@ def _residual_size(row: Any) -> Any:  # noqa: ANN401 - a residual that carries t
 
 
 def _with_errors(parts: list[Array], error: Array) -> tuple[Rounded, ...]:
-    """A pose or a rate as numbers with bounds: the errors (3, n) of its place and its angle."""
+    """A pose or a rate as numbers with bounds: the errors (3, n) of its x, y, m, and its angle, rad."""
     if len(parts) == 3:
         return tuple(map(Rounded, parts, error))
     x, y, c, s = parts
@@ -150,7 +163,8 @@ def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:
     """Bounds on the errors of positions, first and second derivatives, each relative to its peak.
 
     The worst over all named points and mass centres of all links and over the sweep's crank angles, divided by the
-    largest magnitude of the same; all infinite where a position has no bound.
+    largest magnitude of the same; all infinite where a position has no bound. Raises AssemblyError where the linkage
+    cannot be assembled or moved.
     """
     bounds = ErrorBounds(sweep)
     errors, peaks = np.zeros(ORDERS), np.zeros(ORDERS)

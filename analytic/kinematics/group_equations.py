@@ -22,9 +22,10 @@ Motions = Mapping[str, Motion]
 
 
 def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinate: Scalar) -> list[Scalar]:
-    """Every equation, derived ``order`` times over φ, 0 where it is met.
+    """The equations of joints, derived ``order`` times over φ, 0 where they are met: row by row, in the joints' order.
 
-    Lengths are in m, angles by their sine, each at n values of φ.
+    ``order`` is 0, 1 or 2, ``coordinate`` is φ, rad or m, ``motions`` has pose, rate and acceleration by body. Lengths
+    are in m, angles by their sine, each at n values of φ.
     """
     rows: list[Scalar] = []
     for joint in joints:
@@ -48,7 +49,10 @@ def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordi
 
 
 def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
-    """A point of a body, m, or its derivative of an order over φ."""
+    """A point of a body, ``local`` in its frame, m, in the ground frame, or its derivative of order 1 or 2 over φ.
+
+    ``motion`` is the pose, and up to that order the rate and the acceleration.
+    """
     if order == 0:
         return frames.point(motion[0], local)
     if order == 1:
@@ -57,7 +61,10 @@ def point_derivative(motion: Motion, local: Pair, order: int) -> Pair:
 
 
 def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pair, order: int) -> list[Pair]:
-    """The vector from the near body's point to the far body's, m, and its derivatives over φ up to ``order``."""
+    """The vector from the near body's point to the far body's, m, and its derivatives over φ up to ``order``.
+
+    The points are in the frames of their bodies, the vectors in the ground's.
+    """
     return [
         frames.minus(point_derivative(far, far_point, k), point_derivative(near, near_point, k))
         for k in range(order + 1)
@@ -80,7 +87,7 @@ def _direction_derivatives(near: Motion, along: Pair, order: int) -> list[Pair]:
 def _angle_equation(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
     """The sine of the far frame's angle less the near one's and ``turn`` (cos, sin).
 
-    Of an order above 0, the angles' derivative.
+    Of an order above 0, that derivative over φ of the difference of both angles, not of the sine.
     """
     if order:
         return far[order][2] - near[order][2]
@@ -89,7 +96,10 @@ def _angle_equation(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar
 
 
 def _length_equation(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
-    """Distance of the cylinder's ends less φ, m, or its derivative of an order."""
+    """Distance of the cylinder's ends less φ, its length, m, or its derivative of order 1 or 2 over φ.
+
+    ``coordinate`` is φ.
+    """
     spans = _span_derivatives(far, joint.far_local, near, joint.near_local, order)
     length = np.sqrt(frames.dot(spans[0], spans[0]))
     if order == 0:
@@ -101,7 +111,10 @@ def _length_equation(joint: DrivenDistance, near: Motion, far: Motion, order: in
 
 
 def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[str, Pose], count: int) -> Array:
-    """Derivatives of the equations by x, y and θ of the links; (count, equations, 3 · links)."""
+    """Derivatives of the joints' equations by x, y and θ of the links, (count, equations, 3 · links), at ``count`` φ.
+
+    ``poses`` has those of all bodies on the joints by name.
+    """
     sizes = [1 if isinstance(joint, DrivenDistance) else 2 for joint in joints]
     entries = np.zeros((count, sum(sizes), 3 * len(links)))
     columns = {name: 3 * number for number, name in enumerate(links)}
@@ -117,9 +130,9 @@ def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[
 
 
 def _enter_jacobian(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
-    """Enter a joint's derivatives by x, y and θ of one of its bodies into ``block``.
+    """Enter a joint's derivatives by x, y and θ of one of its bodies into ``block`` (n, equations, 3), in place.
 
-    ``sign`` is 1 for the far body, else −1.
+    ``sign`` is 1 for the far body, else −1; ``poses`` has both bodies' by name.
     """
     if isinstance(joint, Revolute):
         x, y = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
@@ -152,7 +165,10 @@ def rates_of(coordinates: Array) -> list[Rate]:
 
 
 def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
-    """Factors for a joint's equations: 1/unit for those of length, 1 for those of angle, so that both weigh alike."""
+    """Factors for a joint's equations, 1/unit for those of length, 1 for those of angle, so that both weigh alike.
+
+    ``unit`` is a length, m.
+    """
     if isinstance(joint, DrivenDistance):
         return (1.0 / unit,)
     return (1.0 / unit, 1.0 / unit) if isinstance(joint, Revolute) else (1.0 / unit, 1.0)
@@ -174,14 +190,17 @@ class GroupSystem:
         self.rows = np.array([scale for joint in joints for scale in _scales(joint, unit)])
 
     def motions(self, *orders: Array) -> dict[str, Motion]:
-        """Motions of all bodies by name: the hosts', and the links' by coordinates and derivatives, (n, links, 3)."""
+        """Motions of all bodies by name: the hosts', and the links' by coordinates and derivatives, (n, links, 3).
+
+        ``orders`` are x, y and θ, m and rad, and as many of their derivatives over φ as are known; others are 0.
+        """
         still = np.zeros((self.count, len(self.links), 3))
         rates = [rates_of(orders[k] if k < len(orders) else still) for k in (1, 2)]
         motion = zip(poses_of(orders[0]), *rates, strict=True)
         return {**self.hosts, **dict(zip(self.links, motion, strict=True))}
 
     def residual(self, motions: Motions, order: int) -> Array:
-        """The equations of an order, (n, equations), lengths over the system's unit; 0 where met."""
+        """The equations of an order, 0, 1 or 2, (n, equations), lengths over the system's unit; 0 where met."""
         rows = residuals(self.joints, motions, order, self.coordinate)
         return np.asarray(np.stack([np.broadcast_to(row, (self.count,)) for row in rows], axis=1) * self.rows)
 
@@ -191,19 +210,25 @@ class GroupSystem:
         return np.asarray(jacobian(self.joints, self.links, poses, self.count) * self.rows[:, None] * self.columns)
 
     def step(self, matrix: Array, residual: Array) -> Array:
-        """Newton's step of the unknowns, (n, links, 3), m and rad; nan where the matrix is singular."""
+        """Newton's step of the unknowns, (n, links, 3), m and rad; nan where the matrix is singular.
+
+        ``matrix`` and ``residual`` are in the system's unit.
+        """
         solution = _solve_all(matrix, -residual) * self.columns
         return np.asarray(solution.reshape(self.count, -1, 3))
 
     def derivatives(self, coordinates: Array) -> tuple[Array, Array]:
-        """First and second derivatives over φ of the links' coordinates, each (n, links, 3)."""
+        """First and second derivatives over φ of the links' coordinates (n, links, 3), each of that shape.
+
+        They are nan where the Jacobian is singular.
+        """
         matrix = self.matrix(self.motions(coordinates))
         first = self.step(matrix, self.residual(self.motions(coordinates), 1))
         return first, self.step(matrix, self.residual(self.motions(coordinates, first), 2))
 
 
 def _solve_all(matrix: Array, right: Array) -> Array:
-    """Solutions of many linear systems; nan for those whose matrix is singular."""
+    """Solutions (n, k) of n linear systems, (n, k, k) and (n, k); nan for those whose matrix is singular."""
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
@@ -211,7 +236,7 @@ def _solve_all(matrix: Array, right: Array) -> Array:
 
 
 def _solve_single(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
-    """Solution of one linear system; nan if its matrix is singular."""
+    """Solution (k,) of one linear system, (k, k) and (k,); nan if its matrix is singular."""
     try:
         return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:
