@@ -60,7 +60,8 @@ class Undetermined(NamedTuple):
 def with_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
     """The structure with the change points of its dyads, and the dyads whose motion is undetermined somewhere.
 
-    ``angle``, rad, is where the signs of the structure hold.
+    ``angle``, rad, is where the signs of the structure hold. A linkage that is not followed through change points keeps
+    its structure.
     """
     if not is_followed(structure):
         return structure, ()
@@ -82,9 +83,9 @@ class _Chain:
     """
 
     def __init__(self, pivot: Revolute | Prismatic, angle: Any, order: int = 0) -> None:  # noqa: ANN401
-        """Place the ground and the driver at these angles, rad, with derivatives up to ``order``.
+        """Place the ground and the driver at these angles, rad, with derivatives up to ``order``, 0 to 2.
 
-        The driver moves at the ``pivot``.
+        The driver moves at the ``pivot``. The angles, of any shape, may be in extended precision.
         """
         self.angle = np.asarray(angle)
         self.windows: Windows = {}
@@ -98,7 +99,8 @@ class _Chain:
     def poses_before(self, dyads: Sequence[ClosedGroup]) -> list[dict[str, Any]]:
         """The poses, by body, once these dyads are solved: a mapping for every order of derivative.
 
-        Notes in ``fails`` where one of them cannot be assembled.
+        The dyads are the first ones of the linkage, of which those solved already are not solved again. Notes in
+        ``fails`` where one of them cannot be assembled.
         """
         for dyad in dyads[self.done :]:
             patches = dyad.changes.patches if dyad.changes else ()
@@ -112,9 +114,9 @@ class _Chain:
         return self.known
 
     def solve(self, dyad: ClosedGroup, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
-        """Solve a dyad, enter its links' motion in ``known``, and return its solver.
+        """Solve a dyad, enter its links' motion in ``known``, in place, and return its solver.
 
-        ``touches`` fix lengths that just meet.
+        ``known`` has the bodies' poses by name, then their derivatives. ``touches`` fix lengths that just meet.
         """
         solver = DyadSolver(dyad, self.angle, self.windows)
         for touch in touches:
@@ -126,10 +128,13 @@ class _Chain:
 
 
 class _ChangePointSearch:
-    """Dyad after dyad: those before it are followed through their own change points already."""
+    """Dyad after dyad: those before it are followed through their own change points already.
+
+    The results are ``dyads``, with their change points, and the ``undetermined`` ones.
+    """
 
     def __init__(self, structure: Structure, start: float) -> None:
-        """Search the dyads one by one; ``start``, rad, is where the structure's signs hold."""
+        """Prepare to search the dyads one by one; ``start``, rad, is where the structure's signs hold."""
         self.dyads = list(structure.dyads)
         assert structure.pivot is not None
         self.pivot, self.start = structure.pivot, start
@@ -140,7 +145,7 @@ class _ChangePointSearch:
         self.grid = self._grid()
 
     def _grid(self) -> _Chain:
-        """The chain at evenly spaced crank angles over the period."""
+        """The chain at evenly spaced crank angles over the period, half a degree apart."""
         return _Chain(self.pivot, np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID))
 
     def find_change_points(self, number: int) -> None:
@@ -168,7 +173,7 @@ class _ChangePointSearch:
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
 
     def _touches(self, number: int) -> Iterator[Touch]:
-        """Yield the touches at which the dyad's margin of reach comes down to zero, in the order of the crank angle.
+        """Yield the touches at which the margin of reach of dyad ``number`` comes down to zero, by the crank angle.
 
         Those that merge are noted as undetermined instead.
         """
@@ -188,7 +193,8 @@ class _ChangePointSearch:
     def _chain_beside(self, touch: Touch, distance: float, places: Any, order: int = 0) -> _Chain:  # noqa: ANN401
         """The chain at ``places`` of -1 to 1, times a distance, rad, from the change point of a ``touch``.
 
-        It has derivatives up to ``order``; dyads that have a change point there share it.
+        It has derivatives up to ``order``; dyads that have a change point there share it: it is kept by angle and
+        distance.
         """
         key = (float(touch.angle), distance)
         if key not in self.beside:
@@ -196,9 +202,9 @@ class _ChangePointSearch:
         return self.beside[key]
 
     def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
-        """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m.
+        """A dyad's margin of reach, m, the lengths it comes from, and the gap between the outer pins, m, along a chain.
 
-        The margin is infinite where the dyad, or one before it, cannot be placed.
+        ``number`` is the dyad's. The margin is infinite where the dyad, or one before it, cannot be placed.
         """
         poses = chain.poses_before(self.dyads[:number])[0]
         solver = chain.solve(self.dyads[number], [dict(poses)])
@@ -209,7 +215,7 @@ class _ChangePointSearch:
         return margin, lengths, gap
 
     def _find_touch(self, number: int, angle: float) -> Touch | None:
-        """The touch within a grid step of a crank angle, rad; None where the margin does not reach zero.
+        """The touch of dyad ``number`` within a grid step of a crank angle, rad; None where its margin stays off zero.
 
         Where an earlier search has a centre at which this dyad touches too, the angle is that centre's; a new centre is
         kept for later searches.
@@ -234,7 +240,7 @@ class _ChangePointSearch:
         return self._touch_of_chain(number, self.centres[-1])
 
     def _relative_margin(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
-        """A dyad's margin of reach over the lengths it comes from."""
+        """The margin of reach of dyad ``number`` over the lengths it comes from, at the angles of a chain."""
         margin, lengths, _ = self._margin(number, chain)
         return margin / lengths
 
@@ -245,8 +251,8 @@ class _ChangePointSearch:
     def _patch(self, number: int, touch: Touch, apart: float) -> Patch:
         """The widest patch about a touch whose series end in rounding, or the one whose series come nearest to it.
 
-        Half of it is at most ``APART`` of ``apart``, the distance to the next change point, rad, or else the least of
-        ``WIDTHS``.
+        Half of it is at most 0.45 of ``apart``, the distance to the next change point, rad, or else 0.015 rad, the
+        least; ``number`` is the dyad's.
         """
         best: tuple[float, Patch] | None = None
         for half in WIDTHS:
@@ -294,12 +300,15 @@ def _within_half_turn(angle: Any) -> Any:  # noqa: ANN401
 
 
 def _relative_tail(series: Any) -> float:  # noqa: ANN401
-    """The truncation of a series: its last terms over its largest; infinite if it is not finite."""
+    """The truncation of a series (terms, parts): its last terms over its largest; infinite if it is not finite."""
     with np.errstate(all="ignore"):
         tail = np.max(np.abs(series[-3:])) / (np.max(np.abs(series)) or 1.0)
     return float(tail) if np.isfinite(tail) else np.inf
 
 
 def period_of(structure: Structure) -> float:
-    """The crank angle after which the linkage moves as before, rad: a turn, or several."""
+    """The crank angle after which the linkage moves as before, rad: a turn, or several.
+
+    It is a turn also of a driver that is pushed.
+    """
     return max((dyad.changes.period for dyad in structure.dyads if dyad.changes), default=FULL_TURN)

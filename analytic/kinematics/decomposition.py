@@ -42,7 +42,7 @@ Equation = tuple[str, ...]  # the one or two bodies and pins that it is between
 
 
 class Division(NamedTuple):
-    """Bodies divided into ``groups``, in an order in which they can be solved, and what fits in none.
+    """Names of bodies divided into ``groups``, in an order in which they can be solved, and of what fits in none.
 
     ``locked`` bodies have a joint too many, ``loose`` ones too few; what hangs on these is left out.
     """
@@ -56,8 +56,9 @@ class Division(NamedTuple):
 def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) -> Division:
     """The division of bodies and pins into groups, in an order that can be solved, and what is locked or loose.
 
-    ``sizes`` are their numbers of unknowns by name. Of what can be solved next dyads come first, before groups of a
-    higher class, and of each kind the first by name.
+    ``sizes`` are their numbers of unknowns by name, 3 of a body and 2 of a pin, ``equations`` the one or two of them
+    that each is between. Of what can be solved next dyads come first, before groups of a higher class, and of each kind
+    the first by name. The latest 64 divisions are kept.
     """
     matching = Matching(dict(sizes), equations)
     loose, groups, done = matching.loose(), [], set[str]()
@@ -72,10 +73,17 @@ def divide(sizes: tuple[tuple[str, int], ...], equations: tuple[Equation, ...]) 
 
 
 class Matching:
-    """As many equations as can be, each of a body or pin that it determines, which has an unknown for it."""
+    """As many equations as can be, each of a body or pin that it determines, which has an unknown for it.
+
+    ``held`` has the numbers of a body's or pin's equations by its name, ``locked`` the names of those with one too
+    many.
+    """
 
     def __init__(self, sizes: Mapping[str, int], equations: Sequence[Equation]) -> None:
-        """Match equations with unknowns, of which bodies and pins have ``sizes``, from the driver outwards."""
+        """Match equations with unknowns, of which bodies and pins have ``sizes``, by name, from the driver outwards.
+
+        An equation names the one or two bodies and pins that it is between.
+        """
         self.sizes, self.equations = sizes, equations
         self.held: dict[str, set[int]] = {name: set() for name in sizes}  # numbers of the equations
         self.locked: set[str] = set()
@@ -83,7 +91,7 @@ class Matching:
             self._enter(number)
 
     def is_body(self, name: str) -> bool:
-        """Whether this is a body, not a pin."""
+        """Whether this is the name of a body, with three unknowns, not of a pin."""
         return self.sizes[name] == BODY
 
     def _from_driver(self) -> Iterator[int]:
@@ -94,7 +102,10 @@ class Matching:
             known |= {end for number in near for end in left.pop(number)}
 
     def _enter(self, number: int) -> None:
-        """Match an equation with an unknown, moving others where that helps; else lock the bodies it is between."""
+        """Match an equation, by number, with an unknown, moving others where that helps.
+
+        Else lock the bodies and pins that it is between.
+        """
         reached = dict.fromkeys(self.equations[number], number)  # each with the equation through which it is
         queue = deque(reached)
         while queue:
@@ -109,7 +120,11 @@ class Matching:
         self.locked |= {*self.equations[number]}
 
     def _shift(self, name: str, reached: Mapping[str, int]) -> None:
-        """Move equations along the path that reached a body or pin, so that the new one is matched there."""
+        """Move equations along the path that reached a body or pin, so that the new one is matched there.
+
+        ``name`` is the body or pin, ``reached`` has the equation through which each on the path was reached; ``held``
+        changes.
+        """
         before: str | None = name
         while before is not None:
             name, equation = before, reached[before]
@@ -119,7 +134,7 @@ class Matching:
             self.held[name].add(equation)
 
     def loose(self) -> set[str]:
-        """Bodies and pins with unknowns left over, and those that could have them instead."""
+        """Names of bodies and pins with unknowns left over, and of those that could have them instead."""
         loose = {name for name, size in self.sizes.items() if len(self.held[name]) < size}
         while more := {name for name in self.sizes if self.needs([name]) & loose} - loose:
             loose |= more
@@ -130,7 +145,10 @@ class Matching:
         return {end for name in names for number in self.held[name] for end in self.equations[number]}
 
     def components(self) -> list[frozenset[str]]:
-        """The strongly connected components of the dependencies, without those that need a locked body."""
+        """The strongly connected components of the dependencies, as sets of names.
+
+        Those that need a locked body are left out.
+        """
         reach: dict[str, set[str]] = {}
         for name in self.sizes:
             reach[name], new = {name}, {name}
@@ -144,7 +162,7 @@ class Matching:
 
 
 def _with_slot_sliders(linkage: Linkage) -> Linkage:
-    """The linkage with each pin in a slot replaced by a massless slider."""
+    """A copy of the linkage with each pin in a slot replaced by a massless slider of the slot's name."""
     bodies = dict(linkage.links)
     sliders = list(linkage.sliders)
     carriers = {pin.point: set(pin.links) for pin in linkage.pins}
@@ -170,7 +188,10 @@ def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
 
 
 def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
-    """The most links in the shortest closed contour through an inner joint of the group, and at least 3."""
+    """The most links in the shortest closed contour through an inner joint of the group, and at least 3.
+
+    ``links`` are its links' names.
+    """
     pairs = {(j.near, j.far) for j in joints if j.near in links and j.far in links}
     return max([3, *(_contour_length(pair, pairs) for pair in pairs)])
 
@@ -178,7 +199,7 @@ def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
 def _contour_length(pair: tuple[str, str], pairs: set[tuple[str, str]]) -> int:
     """Links in the shortest closed contour with the joint of a ``pair`` of bodies; 0 if there is none.
 
-    ``pairs`` are those of all joints.
+    ``pairs`` are those of all inner joints, by the names of their bodies.
     """
     start, end = pair
     steps, queue = {start: 1}, deque([start])
@@ -220,7 +241,8 @@ class _PlacedBodies:
     def joints(self, *bodies: str) -> Iterator[Any]:
         """Yield the joints of these bodies with placed ones, seen from these, and with each other.
 
-        Those with each other are seen from the first.
+        Those with each other are seen from the first. They are pins, then slides, then the cylinder; the bodies are
+        given by name.
         """
         order = {name: number for number, name in enumerate(bodies, start=2)}
         known = self.placed | {*bodies}
@@ -244,9 +266,9 @@ class _PlacedBodies:
                 yield DrivenDistance(near_end[1], far_end[1], *locals_)
 
     def group(self, *links: str) -> AnyGroup:
-        """The group that these links form with the placed bodies.
+        """The group that these links, by name, form with the placed bodies.
 
-        Raises StructureError where three slides or more joints hold it.
+        Raises StructureError for two links that three slides hold, or that have no joint where a dyad needs it.
         """
         joints = tuple(self.joints(*links))
         outer, driver = joints[0], joints[-1]
@@ -257,7 +279,7 @@ class _PlacedBodies:
         return Group(links, joints, _class_of_group(links, joints))
 
     def _dyad(self, *links: str) -> Dyad:
-        """The dyad of two links by the kinds of its joints, its links in the order of the kind's name.
+        """The dyad of two links, by name, by the kinds of its joints, its links in the order of the kind's name.
 
         Raises StructureError for joints between them that make none.
         """
@@ -288,7 +310,7 @@ class _PlacedBodies:
         )
 
     def _overconstrained_text(self, links: Sequence[str]) -> str:
-        """The message for links with too many joints to placed ones, or to each other."""
+        """The message for links, by name, with too many joints to placed ones, or to each other."""
         names = [joint.name for joint in self.joints(*links) if not isinstance(joint, DrivenDistance)]
         return (
             f"{_quoted(links)} of '{self.linkage.name}' {'is' if len(links) == 1 else 'are'} held by too many joints "
@@ -305,7 +327,8 @@ def _quoted(names: Iterable[str]) -> str:
 def find_structure(linkage: Linkage) -> Structure:
     """The driver and the Assur groups of a linkage, in an order in which they can be solved; signs are left 0.
 
-    Raises StructureError where the crank has not exactly one joint, its pivot, or where the other links form no group.
+    Raises StructureError where the crank has not exactly one joint to the ground, its pivot, or where the other links
+    form no group; then it has the formula of the groups before as ``so_far``.
     """
     search = _PlacedBodies(linkage)
     pivots = [joint for joint in search.joints(linkage.crank) if joint.near == GROUND] if linkage.crank else []

@@ -41,13 +41,19 @@ ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
 
 
 class Rod:
-    """A link that turns about an outer pin of its host, with an arm of this length, m, in its own frame."""
+    """A link that turns about an outer pin of its host, with an arm of this ``length``, m, in its own frame.
+
+    ``place`` comes before ``pose``, ``carried`` before ``rate``, ``carried_twice`` before ``second``.
+    """
 
     r: Pair  # from the pin to the point that counts, m, as the dyad sets it
     x: Scalar  # the link's turning over φ, as the dyad sets it
 
     def __init__(self, outer: Revolute, arm: Vector, length: Scalar) -> None:
-        """A side that turns about an outer pin; ``arm``, m, reaches in the link's frame to the point that counts."""
+        """A side that turns about an outer pin; ``arm``, m, reaches in the link's frame to the point that counts.
+
+        ``length`` is the arm's, m.
+        """
         self.near, self.far, self.arm, self.length = outer.near_local, outer.far_local, arm, length
         square = length * length
         self.over = (arm[0] / square, arm[1] / square)
@@ -57,40 +63,40 @@ class Rod:
         self.host, self.base = host, frames.point(host, self.near)
 
     def pose(self, vector: Pair) -> Pose:
-        """Pose of the link whose arm is this vector in the ground frame."""
+        """Pose of the link whose arm is this vector, m, in the ground frame."""
         (x, y), (a, b) = vector, self.over
         direction = (x * a, y * a) if frames.is_zero(b) else (x * a + y * b, y * a - x * b)
         return frames.pose_through(self.base, direction, self.far)
 
     def moment(self, gap: Pair) -> Scalar:
-        """The vector product gap × d, with the side's arm as d, m²."""
+        """The vector product gap × d, with the side's arm turned by a quarter as d, m²."""
         return frames.dot(gap, self.r)
 
     def column(self, link: Pose) -> Pair:
-        """The direction of d, of any length, at a pose of the link: that of the arm."""
+        """The direction of d, across the arm, of any length, at a pose of the link."""
         return frames.across(frames.arm(link, self.arm))
 
     def carried(self, host: Rate, point: Pair) -> Pair:
         """First derivative over φ of the point that counts if the link did not turn, m/rad.
 
-        Keeps the host's rate for the second.
+        It is the pin's, whatever ``point`` is. Keeps the rate of the ``host`` for the second.
         """
         self.host_rate, self.base_rate = host, frames.point_rate(self.host, host, self.near)
         return self.base_rate
 
     def rate(self, link: Pose) -> Rate:
-        """First derivative of the link's pose."""
+        """First derivative over φ of the link's pose, from that of its pin and its turning."""
         return frames.rate_through(link, self.base_rate, self.x, self.far)
 
     @property
     def turning(self) -> Scalar:
-        """First derivative of the link's angle."""
+        """First derivative of the link's angle over φ."""
         return self.x
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of the point that counts if the angle had no slope x': A'' − θ'² r.
+        """Second derivative over φ of the point that counts if the angle had no slope x': A'' − θ'² r.
 
-        Keeps the pin's, A''.
+        ``host`` is the second derivative of the host's pose. Keeps the pin's, A''.
         """
         self.base_second = frames.point_acceleration(self.host, self.host_rate, host, self.near)
         square = self.x * self.x
@@ -102,7 +108,10 @@ class Rod:
 
 
 class Rail:
-    """A link that slides on its host along ``e``; its point ``local`` counts. The rate ``x`` is that of its travel."""
+    """A link that slides on its host along ``e``; its point ``local`` counts. The rate ``x`` is that of its travel.
+
+    The methods come in the order as for ``Rod``.
+    """
 
     x: Scalar
     length = 1.0  # of e
@@ -116,24 +125,27 @@ class Rail:
         self.host, self.base, self.e = host, frames.point(host, self.start), frames.arm(host, self.along)
 
     def pose(self, point: Pair) -> Pose:
-        """Pose of the link whose point that counts is at ``point``."""
+        """Pose of the link whose point that counts is at ``point``, m, in the ground frame."""
         return frames.pose_through(point, frames.turned(self.host, self.turn), self.local)
 
     def moment(self, gap: Pair) -> Scalar:
-        """The vector product gap × d, with the rail's direction as d, m."""
+        """The vector product gap × d, with the rail's unit direction as d, m."""
         return frames.cross(gap, self.e)
 
     def column(self, link: Pose) -> Pair:
-        """The direction d of the rail, the same at every pose of the link."""
+        """The direction d of the rail, a unit vector, the same at every pose of the link."""
         return self.e
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative over φ of the host's point at ``point``, m/rad; keeps the host's rate for the second."""
+        """First derivative over φ of the host's point that is just now at ``point``, m/rad.
+
+        Keeps the rate of the ``host`` for the second.
+        """
         self.host_rate = host
         return frames.carried_rate(self.host, host, point)
 
     def rate(self, link: Pose) -> Rate:
-        """First derivative of the link's pose: the host carries its origin, and the travel moves it."""
+        """First derivative over φ of the link's pose: the host carries its origin, and the travel moves it."""
         origin = frames.carried_rate(self.host, self.host_rate, (link[0], link[1]))
         return (*frames.point_along(origin, self.x, self.e), self.host_rate[2])
 
@@ -143,9 +155,9 @@ class Rail:
         return self.host_rate[2]
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of the host's point just now at ``point``, with the Coriolis term.
+        """Second derivative over φ of the host's point just now at ``point``, with the Coriolis term.
 
-        Keeps the host's motion.
+        ``host`` is the second derivative of the host's pose, which is kept.
         """
         self.host_second = host
         carried = frames.carried_acceleration(self.host, self.host_rate, host, point)
@@ -163,11 +175,11 @@ class Strut(Rod):
     """The driving cylinder: a rod of the length φ, which turns about its near end and is no link, so has no pose."""
 
     def __init__(self, cylinder: DrivenDistance, length: Scalar) -> None:
-        """A cylinder as a side, with its length, m."""
+        """A driving cylinder as a side, with its length, m, which is φ."""
         self.near, self.length = cylinder.near_local, length
 
     def pose(self, vector: Pair) -> None:  # type: ignore[override]
-        """None: a cylinder has no pose of its own; keeps its direction u from ``vector``."""
+        """Return None, as a cylinder has no pose of its own, and keep its direction u, from ``vector``, m."""
         self.u = (vector[0] / self.length, vector[1] / self.length)
 
     def column(self, link: Pose) -> Pair:
@@ -175,16 +187,22 @@ class Strut(Rod):
         return frames.across(self.u)
 
     def carried(self, host: Rate, point: Pair) -> Pair:
-        """First derivative of its far end if it did not turn: the length grows with φ."""
+        """First derivative over φ of its far end if it did not turn: the length grows with φ.
+
+        Keeps the rate of the ``host`` for the second.
+        """
         return frames.plus(super().carried(host, point), self.u)
 
     def carried_twice(self, host: Rate, point: Pair) -> Pair:
-        """Second derivative of its far end without x', with the Coriolis term of the growing length."""
+        """Second derivative over φ of its far end without x', with the Coriolis term of the growing length.
+
+        ``host`` is the second derivative of the host's pose.
+        """
         return frames.plus(super().carried_twice(host, point), frames.coriolis(self.x, 1.0, self.u))
 
 
 def point_on_rail(rail: Prismatic, local: Vector) -> Vector:
-    """A point of the sliding body, in the frame it slides on, at zero travel."""
+    """A point of the sliding body, ``local`` in its frame, in the frame it slides on, at zero travel, m."""
     c, s = rail.turn
     x, y = rail.origin
     return (x + c * local[0] - s * local[1], y + s * local[0] + c * local[1])
@@ -206,7 +224,10 @@ class _DyadForm:
     make_sides: Callable[[], tuple[Any, ...]]
 
     def __init__(self, dyad: ClosedGroup, sign: Scalar, coordinate: Scalar = None) -> None:
-        """Set up the sides of a dyad; ``sign`` selects its assembly mode, ``coordinate`` is φ for a cylinder."""
+        """Set up the sides of a dyad; ``sign`` selects its assembly mode, ``coordinate`` is φ, m, for a cylinder.
+
+        ``sign`` is 1 or -1, or one for each φ, 0 with a single mode.
+        """
         self.dyad, self.sign, self.coordinate = dyad, sign, coordinate
         self.joints: tuple[Any, ...] = dyad.joints  # of the kinds that the group's says
         self.sides = self.make_sides()
@@ -217,11 +238,14 @@ class _DyadForm:
         return f"'{self.joints[0].point}' and '{self.joints[2].point}'"
 
     def least_determinant(self) -> Scalar:
-        """The determinant up to which the dyad stands in a dead position, so that its derivatives are undefined."""
+        """The magnitude of the determinant up to which the dyad stands in a dead position.
+
+        Its derivatives are undefined there.
+        """
         return LEAST_SINE
 
     def dead_position(self) -> str:
-        """The words for how the links stand in a dead position."""
+        """The words, the end of a sentence, for how the links stand in a dead position."""
         return f"the guides of {self.dyad.words} parallel"
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
@@ -237,15 +261,16 @@ class _DyadForm:
         return math.inf
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Where a ``margin``, m, is a rounding of zero, set lengths with which the links just touch.
+        """Where a ``margin``, m, is a rounding of zero, set lengths of the sides with which the links just touch.
 
-        Nothing for guides.
+        ``gap``, m, is the distance of the outer pins there. Nothing for guides.
         """
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """Why the links do not meet, as a fault and a sentence on the link, the length it misses and the remedy.
 
-        ``at`` picks the value at one crank angle, ``written`` writes a length.
+        ``at`` picks a value's number at one crank angle, ``written`` writes a length, m. The fault is ``UNASSEMBLED``
+        or ``UNDETERMINED``, always the latter for guides.
         """
         return UNDETERMINED, (
             f"the guides of {self.dyad.words} are parallel, so nothing holds the two in place; turn one of the guides"
@@ -262,15 +287,18 @@ class _PinDyad(_DyadForm):
     meet: Callable[[], Poses]
 
     def poses(self, hosts: Poses) -> Poses:
-        """Poses of both links between their hosts; nan where they are undefined."""
+        """Poses of both links between their hosts, whose poses are ``hosts``; nan where they are undefined.
+
+        The result of a cylinder, which is no link, is None.
+        """
         for side, host in zip(self.sides, hosts, strict=True):
             side.place(host)
         return self.meet()
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:
-        """First derivatives of the links' poses from those of the hosts.
+        """First derivatives over φ of the links' poses from those of the hosts; the poses must have been worked out.
 
-        ``links`` are the poses, None for a cylinder.
+        ``links`` are the poses, None for a cylinder, which has None for an answer.
         """
         carried = [side.carried(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         self.scale = frames.inverse(self.determinant)
@@ -279,13 +307,19 @@ class _PinDyad(_DyadForm):
         return tuple(link and side.rate(link) for side, link in zip(self.sides, links, strict=True))
 
     def seconds(self, hosts: Rates, links: Poses) -> Rates:
-        """Second derivatives of the links' poses from those of the hosts; the first ones must be known."""
+        """Second derivatives over φ of the links' poses from those of the hosts; the first ones must be known.
+
+        ``links`` are the poses, None for a cylinder, which has None for an answer.
+        """
         carried = [side.carried_twice(host, self.pin) for side, host in zip(self.sides, hosts, strict=True)]
         slopes = zip(self.sides, links, self._solved(carried), strict=True)
         return tuple(link and side.second(link, slope) for side, link, slope in slopes)
 
     def least_determinant(self) -> Scalar:
-        """The determinant of columns that are parallel but for ``LEAST_SINE``: the bound of a dead position."""
+        """The magnitude of a determinant of columns that are parallel but for ``LEAST_SINE``.
+
+        It is the bound of a dead position.
+        """
         first, second = self.sides
         return LEAST_SINE * first.length * second.length
 
@@ -300,7 +334,10 @@ class _PinDyad(_DyadForm):
         return _magnitude_sum(first.base, second.base)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
-        """The rates x' of both sides' unknowns, an angle or a travel, or their slopes, from what ``carried`` gives."""
+        """The rates x' of both sides' unknowns, an angle or a travel, or their slopes, from what ``carried`` gives.
+
+        ``carried`` has the derivative of the point that counts, first or second, as each host alone moves it.
+        """
         first, second = self.sides
         gap = frames.minus(carried[1], carried[0])
         return second.moment(gap) * self.scale, first.moment(gap) * self.scale
@@ -352,7 +389,7 @@ class RRR(_PinDyad):
         return np.minimum(first + second - gap, gap - abs(first - second)), self._bases_size() + first + second
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take the gap, m, as the arms' sum or difference, so that the links just meet."""
+        """Take the gap, m, as the arms' sum or difference, so that the links just meet; sets both arms' lengths."""
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
         if abs(total - gap) < abs(gap - abs(difference)):
@@ -364,9 +401,9 @@ class RRR(_PinDyad):
         first.length, second.length = 0.5 * (total + difference), 0.5 * (total - difference)
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence: both arms too short for the gap, or one too long.
+        """The shortfall, as a fault and a sentence: arms too short for the gap, one too long, or pins that coincide.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length.
+        ``at`` takes a value's number at the place, ``written`` writes a length, m.
         """
         dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
         gap = at(self.gap())
@@ -421,13 +458,16 @@ class RRP(_PinDyad):
         return length - abs(self.offset), self._bases_size() + length
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take the distance from A to the line as the arm's length, so that the arm just reaches it."""
+        """Take the distance from A to the line as the arm's length, so that the arm just reaches it.
+
+        ``gap`` does not count.
+        """
         self.sides[0].length -= margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The shortfall, as a fault and a sentence, of an arm that does not reach the line.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length.
+        ``at`` takes a value's number at the place, ``written`` writes a length, m.
         """
         dyad, distance, length = self.dyad, at(abs(self.offset)), self.sides[0].length
         return UNASSEMBLED, (
@@ -469,7 +509,7 @@ class _SlideDyad(_DyadForm):
     side_column: Callable[[], Pair]
 
     def poses(self, hosts: Poses) -> Poses:
-        """Poses of both links between their hosts; nan where they are undefined."""
+        """Poses of both links between their hosts, whose poses are ``hosts``; nan where they are undefined."""
         (self.side,), (outer, inner, _) = self.sides, self.joints
         self.host, self.near, self.far = hosts[0], outer.near_local, outer.far_local
         self.pin = frames.point(self.host, self.near)
@@ -483,7 +523,10 @@ class _SlideDyad(_DyadForm):
         return self.side_column(), frames.arm(links[1], self.joints[1].along)
 
     def rates(self, hosts: Rates, links: Poses) -> Rates:
-        """First derivatives of the links' poses from those of the hosts."""
+        """First derivatives over φ of the links' poses from those of the hosts; ``links`` are the poses.
+
+        They must have been worked out. Keeps what the second ones need.
+        """
         self.host_rate, moved = hosts[0], frames.point_rate(self.host, hosts[0], self.near)
         self.scale = frames.inverse(self.determinant)
         gap = frames.minus(moved, self.side.carried(hosts[1], self.pin))
@@ -493,7 +536,10 @@ class _SlideDyad(_DyadForm):
         return frames.rate_through(links[0], moved, second[2], self.far), second
 
     def seconds(self, hosts: Rates, links: Poses) -> Rates:
-        """Second derivatives of the links' poses from those of the hosts, with the Coriolis term of the travel."""
+        """Second derivatives over φ of the links' poses from those of the hosts, with the Coriolis term of the travel.
+
+        ``links`` are the poses; the first derivatives must be known.
+        """
         turning = self.side.turning
         moved = frames.point_acceleration(self.host, self.host_rate, hosts[0], self.near)
         carried = self.side.carried_twice(hosts[1], self.pin)
@@ -509,13 +555,19 @@ class RPR(_SlideDyad):
     """
 
     def make_sides(self) -> tuple[Any]:
-        """The line of the second link, as the only side, an arm of unit length."""
+        """The line of the second link, as the only side, an arm of unit length.
+
+        Sets the line's ``offset`` from B, m.
+        """
         first, inner, second = self.joints
         self.offset = frames.cross(inner.along, frames.minus(point_on_rail(inner, first.far_local), second.far_local))
         return (Rod(second, inner.along, 1.0),)
 
     def align(self) -> Pose:
-        """The pose of the slide's direction; nan where A passes through B, which leaves it open."""
+        """The second link's pose, from the slide's direction; nan where A passes through B, which leaves it open.
+
+        Sets f and the determinant.
+        """
         d = self.side.r = frames.minus(self.pin, self.side.base)
         square = frames.dot(d, d)
         self.determinant = self.sign * frames.root(square - self.offset * self.offset)
@@ -533,7 +585,7 @@ class RPR(_SlideDyad):
         return frames.across(self.side.r)
 
     def least_determinant(self) -> Scalar:
-        """The determinant up to which A counts as at the foot of the perpendicular from B to the line."""
+        """The magnitude of the determinant, m, up to which A counts as at the foot of B's perpendicular to the line."""
         return LEAST_SINE * (_magnitude_sum(self.pin, self.side.base) + abs(self.offset))
 
     def dead_position(self) -> str:
@@ -550,13 +602,16 @@ class RPR(_SlideDyad):
         return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Set the line's offset to the distance of the pins, so that the line just touches A."""
+        """Set the line's offset to the distance of the pins, so that the line just touches A.
+
+        ``gap`` does not count.
+        """
         self.offset += np.sign(self.offset) * margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
         """The shortfall, as a fault and a sentence: the offset too large, or A on B.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length.
+        ``at`` takes a value's number at the place, ``written`` writes a length, m.
         """
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:
@@ -580,7 +635,10 @@ class RPP(_SlideDyad):
         return (Rail(second, point_on_rail(inner, first.far_local)),)
 
     def align(self) -> Pose:
-        """The pose of the slide: it keeps its host's direction, and x follows from the vector product with f."""
+        """The second link's pose: it keeps its host's direction, and x follows from the vector product with f.
+
+        Sets f and the determinant.
+        """
         rail = self.side
         self.f = frames.rotated(*frames.turned(rail.host, rail.turn), self.joints[1].along)
         self.determinant = frames.cross(self.f, rail.e)
@@ -590,7 +648,7 @@ class RPP(_SlideDyad):
         return second
 
     def side_column(self) -> Pair:
-        """The direction of the rail, of any length."""
+        """The direction of the rail, a unit vector."""
         direction: Pair = self.side.e
         return direction
 
@@ -599,9 +657,9 @@ class _DrivenForm(_PinDyad):
     """One link between a placed body and the driving cylinder: a dyad of which the other side is the cylinder."""
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence: the cylinder too short or too long.
+        """The shortfall, as a fault, always ``UNASSEMBLED``, and a sentence: the cylinder too short or too long.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length.
+        ``at`` takes a value's number at the place, ``written`` writes a length, m.
         """
         length, link = at(self.coordinate), self.dyad.first
         return UNASSEMBLED, f"the cylinder of {written(length)} does not reach '{link}'; stay within its range"
@@ -630,7 +688,10 @@ class PushedLink(_DrivenForm, RRP):
 
 
 def _rod(outer: Revolute, inner: Vector) -> Rod:
-    """A rod: the side between an outer pin and the inner pin, which is at this point of the link."""
+    """A rod: the side between an outer pin and the inner pin, which is at the point ``inner`` of the link.
+
+    It is in the link's frame, m.
+    """
     arm = frames.minus(inner, outer.far_local)
     return Rod(outer, arm, frames.length(arm))
 

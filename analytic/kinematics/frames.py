@@ -36,12 +36,12 @@ def is_one(scalar: Scalar) -> bool:
 
 
 def is_origin(local: Vector) -> bool:
-    """Whether a point is the origin of its frame, by plain zeros."""
+    """Whether a point of a body is the origin of its frame: both coordinates are plain zeros."""
     return is_zero(local[0]) and is_zero(local[1])
 
 
 def is_still(rate: Rate) -> bool:
-    """Whether a rate or acceleration is the ground's: plain zeros."""
+    """Whether a rate or acceleration is the ground's, ``STILL`` itself; one that only equals it is not."""
     return rate is STILL
 
 
@@ -56,12 +56,12 @@ def rotated(c: Scalar, s: Scalar, vector: Pair) -> Pair:
 
 
 def arm(pose: Pose, local: Vector) -> Pair:
-    """Vector from a frame's origin to a point of its body, in the ground frame."""
+    """Vector, m, from a frame's origin to a point of its body, ``local`` in its frame, in the ground frame."""
     return rotated(pose[2], pose[3], local)
 
 
 def point(pose: Pose, local: Vector) -> Pair:
-    """Position of a point of a body, given in its frame, in the ground frame."""
+    """Position, m, of a point of a body, ``local`` in its frame, in the ground frame."""
     if is_origin(local):
         return (pose[0], pose[1])
     r = arm(pose, local)
@@ -69,7 +69,7 @@ def point(pose: Pose, local: Vector) -> Pair:
 
 
 def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
-    """First derivative over φ of a point of a body."""
+    """First derivative over φ of a point of a body, ``local`` in its frame, in the ground frame."""
     if is_origin(local) or is_zero(rate[2]):
         return (rate[0], rate[1])
     r = arm(pose, local)
@@ -77,7 +77,7 @@ def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
 
 
 def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector) -> Pair:
-    """Second derivative over φ of a point of a body."""
+    """Second derivative over φ of a point of a body, ``local`` in its frame, in the ground frame."""
     if is_origin(local) or (is_zero(rate[2]) and is_zero(acceleration[2])):
         return (acceleration[0], acceleration[1])
     r = arm(pose, local)
@@ -89,7 +89,7 @@ def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector
 
 
 def turned(pose: Pose, turn: Vector) -> Pair:
-    """Cosine and sine of a body's angle plus a constant angle (cos, sin)."""
+    """Cosine and sine of a body's angle plus a constant angle, ``turn`` (cos, sin)."""
     c, s = pose[2], pose[3]
     if is_zero(turn[1]) and is_one(turn[0]):
         return (c, s)
@@ -97,14 +97,20 @@ def turned(pose: Pose, turn: Vector) -> Pair:
 
 
 def pose_through(position: Pair, direction: Pair, local: Vector) -> Pose:
-    """Pose of a body whose angle is known and whose point ``local`` lies at ``position``."""
+    """Pose of a body whose angle has the cosine and sine ``direction`` and whose point ``local`` lies at ``position``.
+
+    ``local`` is in the body's frame, ``position`` in the ground's, m.
+    """
     c, s = direction
     x, y = minus(position, rotated(c, s, local))
     return (x, y, c, s)
 
 
 def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -> Rate:
-    """Rate of a body with this ``turn_rate``, whose point ``local`` has the derivative ``velocity``."""
+    """Rate of a body at a pose, whose angle has the derivative ``turn_rate`` and its point ``local`` ``velocity``.
+
+    Both are derivatives over φ; ``local`` is in the body's frame.
+    """
     if is_origin(local) or is_zero(turn_rate):
         return (velocity[0], velocity[1], turn_rate)
     r = arm(pose, local)
@@ -112,9 +118,10 @@ def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -
 
 
 def acceleration_through(pose: Pose, second: Pair, turn_rate: Scalar, turn_second: Scalar, local: Vector) -> Rate:
-    """Second derivative of the pose of a body whose point ``local`` has the second derivative ``second``.
+    """Second derivative of the pose of a body whose point ``local`` has the second derivative ``second``, over φ.
 
-    ``turn_rate`` and ``turn_second`` are the first and second derivative of its angle.
+    ``turn_rate`` and ``turn_second`` are the first and second derivative of its angle; ``local`` is in the body's
+    frame.
     """
     if is_origin(local) or (is_zero(turn_rate) and is_zero(turn_second)):
         return (second[0], second[1], turn_second)
@@ -133,7 +140,7 @@ def minus(a: Pair, b: Pair) -> Pair:
 
 
 def point_along(place: Pair, travel: Scalar, direction: Pair) -> Pair:
-    """The point at a travel along a direction from another point."""
+    """The point at a signed ``travel``, m, along a unit vector ``direction`` from the point ``place``."""
     x, y = direction
     return (place[0] if is_zero(x) else place[0] + travel * x, place[1] if is_zero(y) else place[1] + travel * y)
 
@@ -157,7 +164,7 @@ def cross(a: Pair, b: Pair) -> Scalar:
 
 
 def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
-    """First derivative over φ of the point of a body that is just now at ``position``."""
+    """First derivative over φ of the point of a body that is just now at ``position``, m, ground frame."""
     if is_still(rate):
         return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])
@@ -165,7 +172,7 @@ def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
 
 
 def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: Pair) -> Pair:
-    """Second derivative over φ of the point of a body that is just now at ``position``."""
+    """Second derivative over φ of the point of a body that is just now at ``position``, m, ground frame."""
     if is_still(acceleration):
         return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])
@@ -187,7 +194,10 @@ def plus(a: Pair, b: Pair) -> Pair:
 
 
 def coriolis(turn_rate: Scalar, travel: Scalar, direction: Pair) -> Pair:
-    """The Coriolis term 2 θ' t' e⊥ of sliding along e on a host that turns."""
+    """The Coriolis term 2 θ' t' e⊥ of sliding along e on a host that turns.
+
+    θ' is ``turn_rate``, t' is ``travel``, here the travel's first derivative over φ, e the unit vector ``direction``.
+    """
     twice = 2.0 * turn_rate * travel
     return (-twice * direction[1], twice * direction[0])
 
@@ -208,5 +218,5 @@ def root(square: Scalar) -> Scalar:
 
 
 def inverse(number: Scalar) -> Scalar:
-    """The reciprocal of a number; infinite for zero, without an error also for a plain one."""
+    """The reciprocal of a number; infinite for zero, also for a plain one, with NumPy's warning at most."""
     return np.divide(1.0, number)

@@ -45,7 +45,11 @@ SPAN: Final = 16.0  # units that the branch of a driver that does not turn is fo
 
 @dataclass(frozen=True)
 class Problem:
-    """A group, the motions of its host bodies as a function of φ, and the unit of its lengths, m."""
+    """A group, the motions of its host bodies as a function of φ, and the unit of its lengths, m.
+
+    ``hosts`` takes φ (n,), rad or m, and gives pose, rate and acceleration of each host by name. ``is_linear`` says
+    that φ is a travel.
+    """
 
     joints: tuple[GroupJoint, ...]
     links: tuple[str, ...]
@@ -59,13 +63,16 @@ class Problem:
         return self.unit if self.is_linear else 1.0
 
     def system(self, coordinate: Array) -> GroupSystem:
-        """The equations at values of φ; raises AssemblyError where the links before it do not meet."""
+        """The equations at values of φ (n,), rad or m; raises AssemblyError where the links before it do not meet."""
         return GroupSystem(self.joints, self.links, self.hosts(coordinate), coordinate, self.unit)
 
 
 @dataclass(frozen=True)
 class BranchNode:
-    """A point of a branch and the sign of det Φ_q there."""
+    """A point of a branch: φ, rad or m, the configuration, and the sign of det Φ_q there.
+
+    ``state`` (3, links, 3) has x, y and θ, m and rad, and two derivatives over φ.
+    """
 
     coordinate: float
     state: Array
@@ -73,9 +80,9 @@ class BranchNode:
 
 
 def newton(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Array:
-    """Newton's method from guesses (n, links, 3), m and rad; nan where it fails or its first step exceeds ``farthest``.
+    """Configurations (n, links, 3) by Newton's method from guesses, m and rad; nan where it fails.
 
-    ``farthest`` is in units of length and rad.
+    It fails also where its first step exceeds ``farthest``, in units of length and rad.
     """
     here, before = guess, np.full(system.count, np.inf)
     scale = np.array([system.columns[0], system.columns[0], 1.0])
@@ -96,9 +103,10 @@ def newton(system: GroupSystem, guess: Array, farthest: float = math.inf) -> Arr
 
 
 def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
-    """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``.
+    """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``, rad or m.
 
-    Raises AssemblyError in a dead position.
+    A crank is followed for a turn, to both sides if that does not close, a linear driver for 16 units of length to both
+    sides. Raises AssemblyError in a dead position.
     """
     first = _node(problem, start[None], coordinate, math.inf)
     if first is None:
@@ -120,7 +128,7 @@ def follow_branch(problem: Problem, start: Array, coordinate: float) -> GroupBra
 
 
 def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
-    """The branch through these nodes.
+    """The branch through these nodes, by ascending φ.
 
     ``turns`` as from ``_gains_over_turn``, ``strays`` if a turn ends in another configuration.
     """
@@ -129,9 +137,10 @@ def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, 
 
 
 def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) -> BranchNode | None:
-    """The node of the configuration nearest to a guess (1, links, 3) at φ.
+    """The node of the configuration nearest to a guess (1, links, 3) at φ, rad or m.
 
-    None without one within ``farthest``, or in a dead position.
+    None without one within ``farthest``, in units of length and rad, in a dead position, or where the links before it
+    do not meet.
     """
     try:
         system = problem.system(np.array([coordinate]))
@@ -148,7 +157,10 @@ def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) ->
 
 
 def _nodes_towards(problem: Problem, start: BranchNode, end: float) -> tuple[list[BranchNode], bool]:
-    """Nodes of the branch from ``start``, itself the first, towards φ = ``end``, and whether they reach it."""
+    """Nodes of the branch from ``start``, itself the first, towards φ = ``end``, and whether they reach it.
+
+    ``end`` is in rad or m.
+    """
     nodes = [start]
     direction, largest = (1.0 if end >= start.coordinate else -1.0), LARGEST_STEP * problem.radian
     step = largest / 4.0
@@ -190,7 +202,7 @@ def _gains_over_turn(nodes: list[BranchNode], unit: float) -> Array | None:
 
 
 def _refine(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
-    """The branch with nodes added in the middle of intervals whose quintic is not near there.
+    """The branch with nodes added in the middle of intervals whose quintic is not near there, as a new branch.
 
     ``side`` is the sign of det Φ_q.
     """
@@ -231,7 +243,7 @@ class GroupSolver:
     """A group being solved; the mappings hold every body placed before it."""
 
     def __init__(self, group: Group, coordinate: Array) -> None:
-        """Solve a group of a higher class at values of φ of any shape."""
+        """Prepare to solve a group of a higher class, which has its branch, at values of φ, rad or m, any shape."""
         self.group = group
         self.hosts = group.hosts
         self.shape = np.shape(coordinate)
@@ -245,7 +257,7 @@ class GroupSolver:
         return self.group.branch
 
     def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, ...]:
-        """Poses of the links; nan where they do not meet in this configuration.
+        """Poses of the links, by those of placed bodies by name; nan where they do not meet in this configuration.
 
         Sets ``moves``, True where they do, and keeps the poses for the derivatives.
         """
@@ -258,7 +270,7 @@ class GroupSolver:
         return self.link_poses
 
     def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Derivatives over φ of the links' poses; the poses must be known."""
+        """Derivatives over φ of the links' poses, from those of placed bodies by name; the poses must be known."""
         self.known[1] = rates
         system = self._system()
         self.matrix = system.matrix(system.motions(self.place))
@@ -266,7 +278,10 @@ class GroupSolver:
         return tuple(self._shaped(rate) for rate in rates_of(self.first))
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, ...]:
-        """Second derivatives over φ of the links' poses; the rates must be known."""
+        """Second derivatives over φ of the links' poses; the rates must be known.
+
+        ``accelerations`` has those of the placed bodies by name.
+        """
         self.known[2] = accelerations
         system = self._system()
         second = system.step(self.matrix, system.residual(system.motions(self.place, self.first), 2))
@@ -289,16 +304,16 @@ class GroupSolver:
         return tuple(part.reshape(self.shape) for part in parts)
 
     def margin(self) -> Scalar:
-        """Distance of φ from the end of the followed configuration over its whole extent, negative outside."""
+        """Distance of φ from the end of the followed configuration as a share of its whole extent, negative outside."""
         low, high = self.branch.ends
         return self.branch.margin(self.coordinate).reshape(self.shape) / (high - low or 1.0)
 
     def severity(self) -> Scalar:
-        """Below zero where the links do not meet, the farther from the configuration's end the lower."""
+        """Below zero where the links do not meet, the farther from the configuration's end the lower; else 0."""
         return np.where(self.moves, 0.0, np.minimum(self.margin(), 0.0) - np.finfo(float).tiny)
 
     def fault(self, _: object, linkage: Linkage) -> Shortfall:
-        """Why the links do not meet at some φ, as a fault and a sentence."""
+        """Why the links do not meet at some φ, as a fault and a sentence, the same for every φ."""
         names = ", ".join(f"'{name}'" for name in self.group.links)
         s = "" if len(self.group.links) > 1 else "s"
         low, high = (linkage.phi.text(end) for end in self.branch.ends)
@@ -314,7 +329,10 @@ class GroupSolver:
 
 
 def group_problem(group: Group, linkage: Linkage, hosts: Any) -> Problem:  # noqa: ANN401 - a function of φ
-    """The equations of a group of a linkage; ``hosts`` gives the motions of the bodies that it is joined to at φ."""
+    """The equations of a group of a linkage; ``hosts`` gives the motions of the bodies that it is joined to at φ.
+
+    It takes φ (n,) and gives pose, rate and acceleration by the body's name.
+    """
     return Problem(group.joints, group.links, hosts, linkage.extent(), linkage.is_linear)
 
 
@@ -327,9 +345,10 @@ SAME: Final = 1e-6  # units and rad between two configurations that are one
 
 
 def configuration_at_sketch(linkage: Linkage, structure: Structure, group: Group, problem: Problem) -> Array:
-    """The group's configuration (links, 3), x, y and θ, at the sketch.
+    """The group's configuration (links, 3), x and y, m, and θ, rad, at the sketch.
 
-    Raises AssemblyError without any solution, StructureError where the sketch leaves open which is meant.
+    ``structure`` has the groups before it. Raises AssemblyError without any solution, StructureError where the sketch
+    leaves open which is meant.
     """
     at = linkage.sketch_angle
     points = {name: structure.bodies[name].points for name in group.links}
@@ -363,7 +382,10 @@ def _point_names(points: Points) -> set[str]:
 
 
 def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
-    """Positions, m, by name: points of pins on placed bodies, and points that the sketch gives."""
+    """Positions, m, by name: points of pins on placed bodies, and others that the sketch gives.
+
+    ``hosts`` are the placed bodies' motions at the sketch, by name.
+    """
     known = dict(linkage.sketch)
     for joint in group.joints:
         if isinstance(joint, Revolute) and joint.near in hosts:
@@ -375,7 +397,8 @@ def _known_points(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, V
 def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
     """Coordinates to start from, (starts, links, 3): first those of the sketch, then with growing disturbances.
 
-    Links with fewer than two known points start at angles drawn at random, the same in every run.
+    ``points`` has each link's points in its frame, ``known`` positions of points, m, by name; ``unit``, m, scales the
+    disturbances. Links with fewer than two known points start at angles drawn at random, the same in every run.
     """
     random = np.random.default_rng(1)
     middle = np.mean(list(known.values()), axis=0) if known else np.zeros(2)
@@ -398,14 +421,14 @@ def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
 
 
 def _fitted_angle(local: list[Vector], world: list[Vector]) -> float:
-    """The angle, rad, of a link whose ``local`` points come nearest to ``world`` places."""
+    """The angle, rad, of a link whose ``local`` points come nearest to ``world`` places, one for each."""
     a, b = np.array(local) - np.mean(local, axis=0), np.array(world) - np.mean(world, axis=0)
     sine = float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
     return math.atan2(sine, float(np.sum(a * b)))
 
 
 def _levenberg_marquardt(system: GroupSystem, guess: Array) -> Array:
-    """Levenberg and Marquardt's method from every guess; those that do not get near are nan."""
+    """Levenberg and Marquardt's method from every guess, (n, links, 3); those that do not get near are nan."""
     here, factor = guess, np.full(len(guess), 1e-2)
     identity = np.eye(guess.shape[1] * 3)
     residual = system.residual(system.motions(here), 0)
@@ -427,7 +450,10 @@ def _levenberg_marquardt(system: GroupSystem, guess: Array) -> Array:
 
 
 def _distinct(values: Array, unit: float) -> list[Array]:
-    """The configurations that differ, (links, 3) each, among all solutions, in the order of their starts."""
+    """The configurations that differ, (links, 3) each, among all solutions (n, links, 3), in the order of their starts.
+
+    Those with nan are left out; ``unit`` is the length, m, that weighs like a radian.
+    """
     result: list[Array] = []
     for root in values[np.all(np.isfinite(values), axis=(1, 2))]:
         if not any(_are_same(root, other, unit) for other in result):
@@ -436,6 +462,9 @@ def _distinct(values: Array, unit: float) -> list[Array]:
 
 
 def _are_same(values: Array, other: Array, unit: float) -> bool:
-    """Whether two configurations (links, 3) are the same but for rounding; whole turns do not count."""
+    """Whether two configurations (links, 3) are the same but for rounding; whole turns do not count.
+
+    ``unit`` is the length, m, that weighs like a radian.
+    """
     turned = np.abs(np.exp(1j * values[:, 2]) - np.exp(1j * other[:, 2]))
     return bool(np.max(np.abs(values[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)

@@ -31,7 +31,7 @@ ROMAN = {1: "I", 2: "II", 3: "III", 4: "IV", 5: "V", 6: "VI"}
 
 @dataclass(frozen=True)
 class Revolute:
-    """An R joint between two bodies: the point's coordinates in the frame of each."""
+    """An R joint between two bodies, by name: the ``point``'s coordinates, m, in the frame of each."""
 
     point: str
     near: str
@@ -49,7 +49,8 @@ class Revolute:
 class Prismatic:
     """A P joint seen from ``near``: the frame of ``far`` lies at ``origin + t·along``, turned by ``turn``.
 
-    All three are in the frame of ``near``.
+    All three are in the frame of ``near``: the origin in m, a unit vector, and the cosine and sine of the constant
+    angle. ``slider`` is the name of the body that slides.
     """
 
     slider: str
@@ -67,7 +68,10 @@ class Prismatic:
 
 @dataclass(frozen=True)
 class DrivenDistance:
-    """The distance between a point of ``near`` and a point of ``far``, which is φ: the driver of a linkage."""
+    """The distance between a point of ``near`` and a point of ``far``, which is φ, m: the driver of a linkage.
+
+    Bodies are by name, each point is in its body's frame, m.
+    """
 
     near: str
     far: str
@@ -94,7 +98,7 @@ class ClosedGroup(ABC):
 
     @property
     def has_two_modes(self) -> bool:
-        """Whether the closure equations of this kind are quadratic."""
+        """Whether the closure equations of this kind are quadratic, so that the group has two assembly modes."""
         return self.kind in TWO_MODES
 
     @property
@@ -176,12 +180,12 @@ class Group:
 
     @property
     def first(self) -> str:
-        """The link whose name comes first; it identifies the group."""
+        """The first of its links by name; it identifies the group."""
         return self.links[0]
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """The placed bodies that its outer joints connect it to."""
+        """Names of the placed bodies that its outer joints connect it to, each once."""
         return tuple(dict.fromkeys(body for j in self.joints for body in (j.near, j.far) if body not in self.links))
 
     @property
@@ -204,7 +208,8 @@ AnyGroup = ClosedGroup | Group
 class Structure:
     """The linkage's bodies, the driver's joint to the ground, and the groups in an order in which they can be solved.
 
-    ``pivot`` is None where a cylinder drives: it is a joint of one of the groups.
+    ``bodies`` are the moving ones by name, with a massless slider for each pin in a slot. ``pivot`` is None where a
+    cylinder drives: it is a joint of one of the groups.
     """
 
     bodies: Mapping[str, Link]
@@ -222,9 +227,9 @@ class Structure:
         return len(self.dyads) < len(self.groups)
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
-        """The same structure with the dyads' assembly signs filled in, the same at every crank angle.
+        """The same structure with the dyads' assembly signs filled in, in order, the same at every crank angle.
 
-        Raises ValueError for a wrong number of signs.
+        Change points are left out. Raises ValueError for a wrong number of signs.
         """
         if len(signs) != len(self.dyads):
             raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
@@ -248,14 +253,14 @@ class Structure:
 
 
 def revolute_joint(linkage: Linkage, point: str, near: str, far: str) -> Revolute:
-    """The R joint of two bodies that carry a point."""
+    """The R joint of two bodies, by name, that carry a point; raises KeyError if one does not."""
     return Revolute(point, near, far, linkage.local(point, near), linkage.local(point, far))
 
 
 def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
-    """The P joint of a slider, seen from its host or, if ``near`` is the slider, from that.
+    """The P joint of a slider, seen from its host or, if ``near`` is the slider's link, from that.
 
-    ``anchor`` is its point in its frame, m.
+    ``anchor`` is its point in its frame, m; ``near`` is a name.
     """
     guide = slider.guide
     turn = guide.along
@@ -296,7 +301,7 @@ class Mobility:
 
     @property
     def formula(self) -> str:
-        """The count of degrees of freedom written out, as text."""
+        """The count of degrees of freedom written out, as text, such as "1 = 3·3 links - 2·4 pins and slides"."""
         slots = f" - {self.slots} pin{'s' if self.slots > 1 else ''} in slots" if self.slots else ""
         return f"{self.degrees} = 3·{self.links} links - 2·{self.joints} pins and slides{slots}"
 
@@ -341,7 +346,10 @@ def grashof(linkage: Linkage, structure: Structure) -> str | None:
 
 
 def _grashof_class(lengths: dict[str, float], linkage: Linkage) -> str:
-    """The class of a four-bar with these lengths, m, and the two sums that decide it, in words."""
+    """The class of a four-bar with these lengths, m, and the two sums that decide it, in words.
+
+    The lengths are by name: frame, crank, coupler and rocker.
+    """
     shortest, *middle, longest = sorted(lengths, key=lambda name: lengths[name])
     ends, others = lengths[shortest] + lengths[longest], sum(lengths[name] for name in middle)
     sums = f"shortest + longest {linkage.written(ends)}, the other two {linkage.written(others)}"
