@@ -465,7 +465,10 @@ def _link(reader: Reader, name: str) -> lk.Link:
 
 
 def _check_driver(reader: Reader) -> None:
-    """Raise DescriptionError unless there is one driver: a link, or a cylinder with its length at the sketch."""
+    """Raise DescriptionError unless there is one driver: a link, or a cylinder with its length at the sketch.
+
+    Refused are both, none, an unknown link, and a cylinder without a positive ``sketch.angle``.
+    """
     document = reader.document
     if not document.crank and document.cylinder is None:
         raise reader.fail(f"crank is missing: expected {EXPECTED['crank']}; add it, or a cylinder")
@@ -481,9 +484,9 @@ def _check_driver(reader: Reader) -> None:
 
 
 def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
-    """Friction, SI, by joint: the point of a pin, the sliding link, or the slot.
+    """Friction, SI, by joint: the point of a pin, the sliding link, or the slot, "E in rocker".
 
-    Raises DescriptionError for a wrong one.
+    Raises DescriptionError for an unknown joint, a pin without ``radius`` or a guide with one.
     """
     pins = {pin.point for pin in _pins(reader)}
     guides = {*(slider.link for slider in _sliders(reader)), *(slot.name for slot in _slots(reader))}
@@ -502,7 +505,7 @@ def _friction(reader: Reader) -> dict[str, lk.JointFriction]:
 def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
     """The cylinder that drives the linkage, SI; None where a crank or a slider does.
 
-    Raises DescriptionError for ends on one body, or a drawn length outside its range.
+    Raises DescriptionError for unknown ends or ends on one body, or a drawn length outside its range.
     """
     table = reader.document.cylinder
     if table is None:
@@ -560,7 +563,10 @@ def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
-    """All prismatic joints, sorted by the name of the sliding link; raises DescriptionError for a circle of sliders."""
+    """All prismatic joints, sorted by the name of the sliding link.
+
+    Raises DescriptionError for a circle of sliders, an unknown host, or a direction without length.
+    """
     slides = [(name, table.slides) for name, table in sorted(reader.document.links.items()) if table.slides]
     for name, _ in slides:
         _turns(reader, name)  # a slider of a circle of sliders has no place

@@ -100,7 +100,7 @@ class CrankMotion:
 
     @cached_property
     def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
+        """Largest |ω|, rad/s, over the whole motion."""
         return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.extreme_times(1))
 
     @property
@@ -173,7 +173,10 @@ class Standstill(CrankMotion):
         return ()
 
     def speed(self, time: ArrayLike) -> NDArray[np.float64]:
-        """ω(t) at times, s, which is zero, with the sign of the motion before, against which friction acts."""
+        """ω(t) at times, s, which is zero, with the sign of the motion before, against which friction acts.
+
+        Shape of ``time``.
+        """
         return 0.0 * super().speed(time)
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:

@@ -59,7 +59,7 @@ class Law:
 
     @property
     def is_constant(self) -> bool:
-        """Whether the law ignores the motion, so that an engine can set it once."""
+        """Whether the law ignores the motion, so that an engine can set it once: it has no table and no ``when``."""
         return self.angles is None and self.when is None
 
     @property

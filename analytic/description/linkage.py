@@ -66,16 +66,19 @@ class DriverCoordinate:
 
     @property
     def axis(self) -> str:
-        """The label of an axis: the coordinate's name and unit."""
+        """The label of an axis: the coordinate's name and unit, "crank angle φ, °" or "travel of the drive, mm"."""
         return f"{'travel of the drive' if self.is_linear else 'crank angle φ'}, {self.unit.name}"
 
     @property
     def effort(self) -> str:
-        """The word for what the drive exerts: torque or force."""
+        """The word for what the drive exerts: "torque" or "force"."""
         return "force" if self.is_linear else "torque"
 
     def kind(self, kind: Kind) -> Kind:
-        """The kind that a number of the drive has: of a linear one a length or force for an angle or torque."""
+        """The kind that a number of the drive has: of a linear one a length or force for an angle or torque.
+
+        Kinds that do not depend on the driver come back unchanged.
+        """
         return kind.of_driver(is_linear=self.is_linear)
 
     @property
@@ -84,7 +87,10 @@ class DriverCoordinate:
         return f" {self.unit.name}" if self.is_linear else self.unit.name
 
     def text(self, value: float) -> str:
-        """A value of φ, rad or m, in words, of 4 digits: degrees, within a turn, or the file's unit."""
+        """A value of φ, rad or m, as text with its unit, "30°" or "120 mm".
+
+        An angle is in degrees, within a turn, a length in the file's unit; 4 digits.
+        """
         return f"{value / self.unit.size:z.4g}{self.mark}" if self.is_linear else degrees(value)
 
     def unwrapped(self, value: float) -> str:
@@ -489,7 +495,10 @@ class Linkage:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of all joints that carry a force, pins first, then sliders, then slots, without solving the linkage."""
+        """Names of all joints that carry a force, pins first, then sliders, then slots, without solving the linkage.
+
+        Pins are sorted by point, sliders by link, slots by name.
+        """
         pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
         return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
 

@@ -119,8 +119,8 @@ def find(name: str) -> Path:
 def read(name: str | Path) -> LinkageFile:
     """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError.
 
-    A byte-order mark is dropped, and every line end becomes a line feed. Errors are those of ``find``, and
-    DescriptionError, with file and line, for what is not UTF-8.
+    A byte-order mark is dropped, and Windows line ends become a line feed. UnknownNameError is for an unknown name,
+    DescriptionError for a path without a readable .toml file and, with file and line, for what is not UTF-8.
     """
     path = find(str(name))
     try:
@@ -352,8 +352,8 @@ def _all_texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]
 def _check_links(base: object, over: object, source: Source, variant: str) -> None:
     """Raise DescriptionError for a link of ``over`` that the ``base`` lacks, unless it has a mass.
 
-    ``over`` is the table [links] of the ``variant``, ``base`` the file's; if one of them is no table, nothing is
-    checked.
+    ``over`` is the table [links] of the ``variant`` of this name, ``base`` the file's; if one of them is no table,
+    nothing is checked.
     """
     if isinstance(base, dict) and isinstance(over, dict):
         for link, table in over.items():
@@ -363,7 +363,7 @@ def _check_links(base: object, over: object, source: Source, variant: str) -> No
 
 
 def _with_variant(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """The base document with a variant's keys laid over it, table by table; lists are replaced whole."""
+    """A copy of the base document with a variant's keys laid over it, table by table; lists are replaced whole."""
     result = dict(base)
     for key, value in over.items():
         mergeable = isinstance(value, dict) and isinstance(result.get(key), dict)
@@ -509,7 +509,10 @@ class WrittenNumbers:
 
 
 def _place_in_file(path: Keys, linkage: Linkage, reader: Reader) -> Keys:
-    """The keys and indices of a number in the file, by its path in the linkage."""
+    """The keys and indices of a number in the file, by its path in the linkage.
+
+    As ("sketch", "points", "B", 0) for ("sketch", "B", 0).
+    """
     match path:
         case ("sketch", *rest):
             return ("sketch", "points", *rest)
@@ -536,7 +539,7 @@ def _first_line(name: str, variant: str, sentences: list[str]) -> str:
 
 
 def _toml_text(text: str, raw: Mapping[str, Any]) -> str:
-    """The text with the values ``raw``, comments kept; made anew where that fails.
+    """The text of a TOML file with the values ``raw``, comments kept; made anew, without comments, where that fails.
 
     linkproof's first line and a byte-order mark are dropped.
     """

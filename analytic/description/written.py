@@ -17,9 +17,9 @@ from analytic.description.units import MEASURED, UNITS, FileUnit, Kind, factor
 
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
-    """The file's unit that takes the place of an SI unit, as pages print this.
+    """The file's unit that takes the place of an SI unit, as pages print this, "m/s²": "mm/s^2".
 
-    Units without one in files, such as J, stay.
+    Units without one in files, such as J, stay; where the file states none it is SI.
     """
     if si not in MEASURED:
         return FileUnit(si, 1.0)
@@ -69,7 +69,7 @@ def signed(value: float, form: str) -> str:
 
 
 def change(share: float, form: str = ".2f") -> str:
-    """A relative change, a share, as text in per cent, with its sign; ``form`` is the number's format."""
+    """A relative change, a share, as text in per cent, with its sign, "+1.25 %"; ``form`` is the number's format."""
     return f"{signed(100.0 * share, form)} %"
 
 

@@ -87,9 +87,9 @@ def signal_gradients(
     The angles are in rad. ``parameters`` are numbers of the description by the names of
     ``analytic.description.changes``, or the driver's ``speed``, turned as ``speed``, with the SI values at which to
     differentiate; a signal may be a magnitude, as in a ``Figure``, but not S, which counts from the design's own top.
-    The crank turns at a constant ``speed``, rad/s, signed. The angles may be those ``at_tops`` of the signals, which
-    move with corners of loads. Raises UnknownNameError for an unknown parameter, LinkproofError for numbers that no
-    design can have, and AssemblyError where the design cannot be assembled.
+    The crank turns at a constant ``speed``, rad/s, signed. With ``at_tops`` the angles are tops of the signals, and one
+    at a corner of a load moves with it. Raises UnknownNameError for an unknown parameter, LinkproofError for numbers
+    that no design can have, and AssemblyError where the design cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check_parameters(mechanism, parameters)
@@ -285,7 +285,10 @@ class _Design:
 
     @property
     def _mechanism_of_loads(self) -> Mechanism:
-        """The mechanism whose loads have their corners at this design's crank angles."""
+        """The mechanism whose loads have their corners at this design's crank angles.
+
+        It is the design's own if loads depend on the output, else that of all designs.
+        """
         moves = self.mechanism.linkage.has_loads_of_output
         return self.followed if moves else self.mechanism
 

@@ -355,10 +355,11 @@ def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN4
 def checked_parameters(
     linkage: Linkage, parameters: Mapping[str, ArrayLike], *, has_speed: bool = False
 ) -> dict[str, Array]:
-    """The parameters as arrays (designs,) by name: numbers of a description but the sketch's; ``SPEED`` if it has one.
+    """The parameters as arrays (designs,) by name: numbers of a description but the sketch's, and ``SPEED``.
 
-    Raises UnknownNameError for another name, LinkproofError for arrays that are not of one length or not flat, numbers
-    that are not finite, negative masses, directions of no length and speeds of zero.
+    This is known only with ``has_speed``. Raises UnknownNameError for another name, LinkproofError for none, for arrays
+    that are not of one length or not flat, numbers that are not finite, negative masses or inertias, directions of no
+    length and speeds of zero.
     """
     numbers = design_numbers(linkage)
     kinds: dict[str, str] = {name: kind for name, (kind, _) in numbers.items()} | ({SPEED: SPEED} if has_speed else {})

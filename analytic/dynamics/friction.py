@@ -47,7 +47,7 @@ class Contact(NamedTuple):
     loads: tuple[Load, Load]
 
     def against(self, direction: Array) -> list[Load]:
-        """Loads of a unit of friction, against the motion if the driver moves by the sign of ``direction``."""
+        """Loads of a unit of friction against the motion, if the driver moves by the sign of ``direction`` (...)."""
         return [load.times(np.sign(self.rate) * direction) for load in self.loads]
 
 

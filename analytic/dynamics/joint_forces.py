@@ -129,14 +129,15 @@ class LinkBalance:
         return frames.point(self.poses[body], self.reference_points[body])
 
     def gap(self, start: str, end: str) -> Pair:
-        """Vector, m, from the reference point of one body to that of another."""
+        """Vector, m, ground frame, from the reference point of one body to that of another."""
         return frames.minus(self.place(end), self.place(start))
 
 
 def reference_points(structure: Structure) -> dict[str, Vector]:
-    """The reference point of every body, in its own frame: its outer pin, else its inner pin, else its mass centre.
+    """The reference point of every body, in its own frame, m: its outer pin, else its inner pin, else its mass centre.
 
-    With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
+    The ground's is its origin. With moments taken about pins, lengths are differences of points of one link, however
+    far its frame's origin lies.
     """
     pivot = structure.pivot
     reference = {GROUND: (0.0, 0.0)}
@@ -244,7 +245,10 @@ def _left_by(balance: LinkBalance, outer: Joint, at: Vector) -> tuple[Pair, Scal
 
 
 def _outer_wrench(balance: LinkBalance, outer: Joint, more: Pair, moment: Scalar = 0.0) -> Wrench:
-    """The wrench of an outer joint: its link's unmet load and ``more``, a force and, of a slide, a moment."""
+    """The wrench of an outer joint on its far link: the load that the link still has to be given, and more.
+
+    ``more`` is a force (x, y), N; of a slide there is also a ``moment``, N m.
+    """
     x, y, turn = balance.needs[outer.far]
     force = (x + more[0], y + more[1])
     if isinstance(outer, Revolute):
@@ -301,7 +305,8 @@ def _component_shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterato
 def _unit_reactions(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
     """Yield a unit reaction for each unknown of a joint.
 
-    They are a pin's x and y, a slide's force and moment, a cylinder's push.
+    They are a pin's x and y, a slide's force and moment, a cylinder's push, each of 1 N or 1 N m, as wrenches about the
+    bodies' reference points.
     """
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))

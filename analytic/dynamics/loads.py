@@ -80,7 +80,7 @@ def external_loads(sweep: Sweep, speed: Scalar, acceleration: Scalar) -> Iterato
 
 
 def _mass_load(sweep: Sweep, link: Link, speed: Scalar, acceleration: Scalar) -> Load:
-    """Weight and inertia: m (g − S̈), N, at the mass centre and −J θ̈, N m; at rest no derivative is computed.
+    """Weight and inertia: m (g − S̈), N, at the mass centre and −J θ̈, N m; at rest the weight alone.
 
     The crank's speed, rad/s, and acceleration, rad/s², are signed, of the sweep's shape or scalar.
     """
@@ -100,7 +100,8 @@ def _mass_load(sweep: Sweep, link: Link, speed: Scalar, acceleration: Scalar) ->
 def applied_loads(sweep: Sweep, load: PointForce | LinkTorque, speed: Scalar) -> Iterator[Load]:
     """Yield a force or a torque on its link, and its reverse on the body that takes the reaction, at the same place.
 
-    ``speed`` is that of the driver: a load of one direction acts by its sign, at rest as if φ grew.
+    ``speed`` is that of the driver: a load of one direction acts by its sign, at rest as if φ grew. Without a reaction
+    there is one load.
     """
     linkage = sweep.linkage
     if isinstance(load, LinkTorque):
@@ -152,7 +153,7 @@ def drags(sweep: Sweep) -> Iterator[Between]:
 
 
 def _span(sweep: Sweep, spring: Spring, order: int = 0) -> Pair:
-    """The vector from a spring's second end to its first, m, or its derivative of an order over φ."""
+    """The vector from a spring's second end to its first, m, ground frame, or its derivative of an order over φ."""
     ends = zip(spring.points, spring.links, strict=True)
     return frames.minus(*(sweep.local_point(body, sweep.linkage.local(point, body), order) for point, body in ends))
 

@@ -126,7 +126,7 @@ def _product_with_constant(constant: Pair, vector: Pair) -> Scalar:
 def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointForce | LinkTorque | Elastic, Array]]:
     """Yield each force, torque and spring with its generalised force over φ, N m; dashpots and dampers are left out.
 
-    Loads of one direction act by the sign of ``speed``.
+    Loads of one direction act by the sign of ``speed``, at rest as if φ grew.
     """
     for load in sweep.linkage.applied:
         yield load, power(sweep, applied_loads(sweep, load, speed))
@@ -251,7 +251,7 @@ class EquationOfMotion:
 
     @cached_property
     def peak_moment(self) -> float:
-        """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
+        """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s², and of the torque over time."""
         seen = self.mechanism.turn.angle
         most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
 
