@@ -54,7 +54,8 @@ def positions_over_range(mechanism: Mechanism) -> Positions:
 def positions_over_motion(curves: Curves) -> Positions:
     """The positions of a case's bodies: over φ of one turn if its motion makes one, else over the motion's time.
 
-    The turn is the mechanism's period.
+    The turn begins at φ = 0 and is the mechanism's period. Raises AssemblyError where the linkage cannot make the
+    motion.
     """
     case = curves.case
     mechanism, (low, high) = case.mechanism, case.reach
@@ -221,7 +222,7 @@ def _write_remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
 
 
 def _direction(linkage: Linkage, x: float, y: float) -> str:
-    """The direction of the vector (x, y) as text, in the file's unit of angle: "30°"."""
+    """The direction of the vector (x, y) as text, in the file's unit of angle, from -180° to 180°: "30°"."""
     unit = file_unit("rad", linkage)
     return f"{np.arctan2(y + 0.0, x + 0.0) / unit.size:.6g}{'°' if unit.name == 'deg' else f' {unit.name}'}"
 

@@ -194,7 +194,10 @@ def _transmission_sines(case: Case, time: Array) -> Array:
 
 
 def _missing_middles(time: Array, sines: Array) -> Array:
-    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much."""
+    """Middles, s, of the steps of a grid in which, or next to which, a transmission angle's sine changes too much.
+
+    ``time`` (n,) is the grid, s, ``sines`` are (dyads, n). Too much is more than CHANGE of the smaller one.
+    """
     coarse = np.any(np.abs(np.diff(sines)) > CHANGE * np.minimum(sines[:, 1:], sines[:, :-1]), axis=0)
     wide = np.convolve(coarse, [True, True, True], mode="same").astype(bool)
     middles = 0.5 * (time[1:] + time[:-1])
@@ -334,7 +337,10 @@ class Curves:
         return {}
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
-        """Signals (n,), SI, of the closed form at n instants by name, all by default."""
+        """Signals (n,), SI, of the closed form at n instants, by name, in the order of ``names``; all by default.
+
+        Raises UnknownNameError for a signal that the linkage lacks.
+        """
         return {name: self.signal_values(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
@@ -355,7 +361,10 @@ class Curves:
         return SignalFigure(what, name, finite(value), unit, on, time, phi, at_end and not is_given)
 
     def peaks(self, names: Iterable[str]) -> dict[str, SignalFigure]:
-        """The peak of each signal, between instants too: the largest magnitude, of a transmission angle the least."""
+        """The peak of each signal, between instants too: the largest magnitude, of a transmission angle the least.
+
+        Each is a figure "peak", whose value has its sign, by the signal's name.
+        """
         places = self.places({name: self._severity(name) for name in names})
         truth = self.truth_at(np.array([*places.values()]))
         values = [float(self.signal_values(truth, name)[row]) for row, name in enumerate(places)]
@@ -378,7 +387,7 @@ class Curves:
             chosen = [measures[key] for key in keys]
 
             def curves(rows: Integers, time: Array, chosen: Sequence[Measure] = chosen) -> Array:
-                """The measures of these numbers among ``chosen`` at instants, s, one row each."""
+                """The measures numbered ``rows`` among ``chosen`` at instants, s, one row each."""
                 truth = self.truth_at(time)
                 return np.stack([chosen[row](truth) for row in rows])
 

@@ -89,7 +89,8 @@ def _named_peaks(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[SignalFig
 def drive_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
     """Yield figures to choose a motor by: peaks of torque, power and speed, RMS and means; none without mass or load.
 
-    Each peak comes with the other two quantities at its instant. Means have a sign, the RMS has none.
+    Peaks are those of torque or force, driving and braking power, of speed where it changes, and of friction's share,
+    if there is friction; each comes with the other two quantities at its instant. Means have a sign, the RMS has none.
     """
     if "Mkr" not in peaks:
         return
@@ -362,7 +363,7 @@ def case_figures(curves: Curves, figures: Mapping[Key, Figure | MechanismFigure]
     values = {name: entry(curves.case.mechanism) for name, entry in figures.items() if not isinstance(entry, Figure)}
 
     def height(end: SignalExtreme) -> Measure:
-        """The measure that is highest at an extreme of a signal, the least or the largest value."""
+        """The measure that is highest at an extreme of a signal: at the least or the largest value, or magnitude."""
         return lambda at: end.height(curves.signal_values(at, end.signal))
 
     places = curves.places({end: height(end) for quantity in of_signals.values() for end in quantity.extremes})
@@ -549,8 +550,8 @@ def verdict(entry: Published, ours: float) -> str:
 def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[float]:
     """Our values, SI, of printed figures' quantities in their motions, in their order.
 
-    Those of one motion are found together. Raises LinkproofError where there is none, or where a quantity is several
-    figures.
+    Those of one motion are found together. Raises LinkproofError for an unknown quantity or regime, for a motion that
+    the linkage cannot make, and where a quantity is several figures.
     """
     values: dict[int, float] = {}
     motions: dict[tuple[Mechanism, str | None, float, float | None], dict[int, Figure | MechanismFigure]] = {}

@@ -80,7 +80,10 @@ def _similar_names(linkage: Linkage) -> Iterator[str]:
 
 
 def _mass_slips(linkage: Linkage, link: Link) -> Iterator[str]:
-    """Yield sentences about a mass centre, mass or inertia that does not suit the link's size."""
+    """Yield sentences about a mass centre, mass or inertia that does not suit the link's size.
+
+    So too about a mass centre without a mass where other links have one.
+    """
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
     if not link.mass and any(link.centre) and any(body.mass for body in linkage.links.values()):
         yield f"'{link.name}' has a mass centre and no mass: it weighs nothing; add links.{link.name}.mass"
@@ -288,9 +291,10 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 
 
 def _turn_facts(mechanism: Mechanism) -> Facts:
-    """The facts on a full turn: reduced inertias, the output's travel, and the angles of rest; SI.
+    """The facts on a full turn: reduced inertias, kg m², the output's travel, m, and the angles of rest, rad.
 
-    Those that the linkage lacks are left out.
+    Each link has its mean under "Jeq_mean". Those that the linkage lacks are left out. Raises LinkproofError where the
+    output stands still.
     """
     linkage = mechanism.linkage
     links = file_facts(linkage)["links"]
@@ -337,7 +341,7 @@ def _accuracy_facts(mechanism: Mechanism) -> Facts:
 def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
     """Yield the facts on printed figures: how many the variant has, and how many we meet, or why none.
 
-    Nothing for a variant without any.
+    They are under "printed": "figures", "reproduced" and "near", or the "fault". Nothing for a variant without any.
     """
     try:
         verdicts = [record.verdict for record in compare_published([linkage])]
@@ -363,7 +367,10 @@ def _load_facts(linkage: Linkage) -> Facts:
 
 
 def _sketch_facts(mechanism: Mechanism) -> Facts:
-    """The sketch's φ, the distance, m, of each sketched point from its assembled place, and the linkage's extent, m."""
+    """The sketch's φ, how far each sketched point is off its assembled place, m, and the linkage's extent, m.
+
+    They are under "angle", rad or m, "off", by point, and "extent".
+    """
     linkage, sweep = mechanism.linkage, mechanism.sweep(mechanism.linkage.sketch_angle)
     off = {name: float(np.hypot(*(sweep.point(name) - place))) for name, place in linkage.sketch.items()}
     return {"angle": linkage.sketch_angle, "off": off, "extent": linkage.extent()}

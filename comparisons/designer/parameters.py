@@ -287,7 +287,7 @@ class SteadyCase:
 
     @cached_property
     def _moving(self) -> MovingSweep:
-        """The motion and loads of the file's linkage at the sampled places."""
+        """The motion and loads of the file's linkage at the sampled places; S counts from the farthest of them."""
         sweep = self.mechanism.sweep(self.places)
         farthest = float(np.max(sweep.output())) if self.linkage.output else 0.0
         return MovingSweep(self.mechanism, sweep, np.asarray(self.speed), np.zeros(()), farthest)

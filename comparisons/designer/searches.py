@@ -42,7 +42,7 @@ class End:
 
     @property
     def rank(self) -> tuple[float, float]:
-        """Sort key of ends, the best first: violation, then aim."""
+        """Sort key of ends, the best first: violation, 0 for one that meets all constraints, then scaled aim."""
         return (0.0, self.aim) if self.is_feasible else (self.violation, self.aim)
 
 
@@ -159,7 +159,7 @@ def _limits(design: Linearised, *, is_feasible: bool) -> Array:
     """Rows that, with z by their last factor, are positive if a design's aim is at most z and it is feasible.
 
     Of a design that is not feasible they are positive if no constraint is violated by more than z. A row has a value,
-    its derivatives by place, and the factor.
+    its derivatives by place, and the factor: (n, 2 + variables).
     """
     parts = [(-design.aim, 1.0), (design.inside, 0.0)]
     if not is_feasible:

@@ -164,7 +164,10 @@ class Sheet:
         return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
 
     def scale(self, name: str) -> float:
-        """The largest magnitude, SI, of all signals of this signal's kind, and of the terms that it sums up."""
+        """The largest magnitude, SI, of all signals of this signal's kind and unit, and of the terms that it sums up.
+
+        The kind is the name up to its colon; 0 for one that the sheet does not have.
+        """
         own = self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
         return max(own, self._ingredients.get(name, 0.0))
 
@@ -218,7 +221,7 @@ class Sheet:
 
     @cached_property
     def _scales(self) -> dict[tuple[str, str], float]:
-        """The largest magnitude, SI, of all signals of each kind and unit."""
+        """The largest magnitude, SI, of all signals, by kind and unit; the kind is the name up to its colon."""
         scales: dict[tuple[str, str], float] = {}
         for name, values in self.values.items():
             size = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
@@ -259,7 +262,7 @@ class Sheet:
 
     @property
     def symbol(self) -> str:
-        """The symbol of the axis: t, φ, or a word for the travel of a linear drive."""
+        """The symbol of the axis: "t", "φ", or "travel" for that of a linear drive."""
         return "t" if self.axis == TIME else "travel" if self.is_linear else "φ"
 
     @cached_property

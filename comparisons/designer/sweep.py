@@ -293,7 +293,7 @@ class SweepStudy:
     def extreme(self, figure: int, way: float) -> int | None:
         """Number of the first design with the largest value of a figure, or with ``way`` -1 the least; None without.
 
-        ``figure`` is its number.
+        ``figure`` is its number; ``way`` is 1 for the largest.
         """
         heights = np.where(np.isfinite(self.values[figure]), way * self.values[figure], -np.inf)
         place = int(np.argmax(heights))

@@ -63,7 +63,7 @@ class ColumnMotion(CrankMotion):
 
     @property
     def is_known(self) -> bool:
-        """Whether it is a known motion, such as a run-up or a swing, and not a spline."""
+        """Whether it is a known motion: a run-up, a swing, or constant accelerations; and not any other spline."""
         return self.regime in (*FAMILIES, CORNERS)
 
     @cached_property
@@ -103,8 +103,9 @@ class _Samples:
     def trials(self, within: Array) -> list[_Samples]:
         """Columns that would be printed the same: with random errors ``within`` (n,), and with slow errors.
 
-        Slow ones are for a crank that goes on by the same angle from sample to sample: the last digit is then always
-        off by the same amount, or changes slowly.
+        There are RANDOM_TRIALS, the same every time, and one for each of WAVES. Slow ones are for a crank that goes on
+        by the same angle from sample to sample: the last digit is then always off by the same amount, or changes
+        slowly.
         """
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_TRIALS, len(within)))
         slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
@@ -227,7 +228,7 @@ def _shape(family: str, samples: _Samples, time: float) -> Array:
 
 
 def known_fit(samples: _Samples) -> KnownFit | None:
-    """The fit of the first family with a motion from t = 0 that is a column within its rounding.
+    """The fit of the first of FAMILIES with a motion from t = 0 that is a column within its rounding.
 
     None without one, for a column at rest, and for one that begins before t = 0.
     """
@@ -274,10 +275,10 @@ def _fit_near(samples: _Samples, family: str, guess: float) -> KnownFit:
 
 
 def _evened_out(fit: KnownFit) -> KnownFit:
-    """The fit, or the one near it with the least residuals to a high power, whichever is within less of the column.
+    """The fit, or the one near it with the least residuals to a high power, whichever has the smaller largest residual.
 
     Where the crank turns steadily every sample is rounded alike, and the squares are least where the others are off by
-    that besides their own rounding.
+    that besides their own rounding. A fit within the rounding, or far from it, is returned as it is.
     """
     if fit.is_within or fit.largest >= EVEN_OUT_BELOW:
         return fit
@@ -285,7 +286,7 @@ def _evened_out(fit: KnownFit) -> KnownFit:
     free = np.array([fit.family != CONSTANT, True, not fit.samples.of_speed])
 
     def with_numbers(x: Array) -> KnownFit:
-        """The fit with other values of its free numbers."""
+        """The fit with other values of its free numbers: of time, size and start those that its family has."""
         numbers[free] = x
         return KnownFit(fit.samples, fit.family, *numbers.tolist())
 

@@ -406,7 +406,10 @@ def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evid
 
 
 def differs(evidence: Evidence) -> bool:
-    """Whether a signal differs from the closed form by more than rounding and what is negligible."""
+    """Whether a signal differs from the closed form by more than rounding and what is negligible.
+
+    That is at some counted sample, by more than NOTICED tolerances.
+    """
     return bool(np.any(np.abs(evidence.residual) > NOTICED))
 
 
@@ -477,9 +480,9 @@ class _Search:
         return result if is_settled else result + self._harmless(row for row in rows if row.is_slow)
 
     def _harmless(self, rows: Iterable[Hypothesis]) -> list[Fit]:
-        """Fits of hypotheses that explain a column and make none worse beyond its rounding.
+        """Fits of hypotheses that explain a column and make none worse beyond its rounding, in the order of ``rows``.
 
-        They are first made to a part of the samples.
+        They are first made to a part of the samples, then measured on all.
         """
         made = (fit for row in rows if (fit := self.thin.best(row)))
         helps = (fit for fit in made if np.any(self.differ & (fit.rms <= np.maximum(1.0, WORTH * self.rms))))
@@ -487,7 +490,7 @@ class _Search:
         return [fit for fit in whole if fit and np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms))]
 
     def explained_signals(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
-        """The signals among ``names`` that a fit explains."""
+        """The signals among ``names`` that a fit explains: it leaves a small part of their difference, or rounding."""
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
 
     def log_remainder(self, fit: Fit, names: Sequence[str]) -> float:

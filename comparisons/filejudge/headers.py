@@ -65,7 +65,10 @@ TOGETHER: Final = {plain_letters(word.replace("|", "")): word.split("|") for wor
 
 
 def split_tokens(text: str) -> list[str]:
-    """The words and numbers of a text; words that are written together are divided where the list has them."""
+    """The words and numbers of a text, as written, without all other signs.
+
+    They are divided at capitals inside, as in camelCase, and where words written together are in the list of such.
+    """
     tokens = TOKEN.findall(CAMEL.sub(" ", text))
     return [part for token in tokens for part in TOGETHER.get(plain_letters(token), (token,))]
 
@@ -258,7 +261,7 @@ class HeaderParser:
 
     @cached_property
     def _names(self) -> Table:
-        """Meanings of the words in the names of links, points and joints."""
+        """The table of the meanings, ``:name``, of the words in the names of links, points and joints."""
         points = {point for link in self.linkage.links.values() for point in link.points} | {*self.linkage.ground}
         return name_meanings({*self.linkage.links, *points, *self.linkage.joint_names} - {GROUND})
 
@@ -365,9 +368,10 @@ class HeaderParser:
         return Meaning(best[0], unit, printed, self._assumption(best[0], fitting[best[0]], column))
 
     def _fitting(self, read: Sequence[Meanings], unit: Unit | None) -> dict[str, Meanings]:
-        """Signals whose words are all true and whose required words are present, each with the words that fit.
+        """Signals whose words are all true and whose required words are present, each with the meanings that fit.
 
-        ``read`` has the meanings of each word of the header; a ``unit``, if there is one, must fit, too.
+        ``read`` has the meanings of each word of the header; a ``unit``, if there is one, must fit, too. {} without
+        any.
         """
         fitting = {}
         for name, true in self._vocabularies.items():

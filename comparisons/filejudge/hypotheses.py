@@ -151,7 +151,10 @@ def of_column(evidence: Evidence, simulation: Simulation, names: Sequence[str]) 
         return f"{signed(c / evidence.unit_value, '.4g')} {evidence.unit}"
 
     def late(t: float) -> str:
-        """The sentence that a column is ``t`` seconds too early, or too late if negative."""
+        """The sentence that a column is ``t`` seconds too early, or too late if negative.
+
+        It has the samples, too, if these are halves or whole ones.
+        """
         halves = 2.0 * t / step
         whole = f", {abs(t / step):.2g} samples," if round(halves) and abs(halves - round(halves)) < 0.1 else ""
         return f"{name} is {abs(t):.4g} s{whole} too {'early' if t > 0.0 else 'late'}"
@@ -218,7 +221,11 @@ def _mistaken_quantities(evidence: Evidence, simulation: Simulation, names: Sequ
 
 
 def of_columns(evidence: Sequence[Evidence]) -> Iterator[Hypothesis]:
-    """Yield faults of at least two columns at once: an axis the other way, a unit, a reaction for an action."""
+    """Yield faults of at least two columns at once: a sign of a group of them, or one unit read as another.
+
+    Groups are turns and torques, components along an axis, the output's signals, all joint forces, and those of a
+    joint.
+    """
     names = [signal.name for signal in evidence]
     component, owner = ({name: name.rpartition(":")[part] for name in names} for part in (2, 0))
     forces = [name for name in names if name.startswith("joint_force")]
@@ -458,7 +465,10 @@ def _of_friction(linkage: Linkage) -> Iterator[Hypothesis]:
 
 
 def _of_loads(linkage: Linkage) -> Iterator[Hypothesis]:
-    """Yield faults of loads: all of a kind left out, or one at another point or on another link."""
+    """Yield faults of loads: all of a kind left out, or one at another point or on another link.
+
+    A damper between two links may act on the ground.
+    """
     for part in LOADS:
         if getattr(linkage, part):
             words = f"the {part} of the linkage file are left out"
@@ -531,7 +541,7 @@ def _number_words(name: str, number: Number) -> str:
 def _inertias_about_points(linkage: Linkage, name: str) -> dict[float, str]:
     """The names of a link's points, each by the link's moment of inertia about it, kg m².
 
-    The mass centre's own is left out, and a massless link has none.
+    ``name`` is the link's. The mass centre's own is left out, and a massless link has none.
     """
     link = linkage.links[name]
     distances = {point: math.dist(at, link.centre) for point, at in link.points.items()}

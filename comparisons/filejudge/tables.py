@@ -286,7 +286,10 @@ def _is_value(cell: str) -> bool:
 
 
 def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs, width: int) -> None:
-    """Raise LinkproofError for a line of text that is a row of ``width`` cells, one of which is no number."""
+    """Raise LinkproofError, with file and line, for a line of ``width`` cells with numbers, one of which is none.
+
+    Comments are let pass.
+    """
     for number, text, _ in lines:
         cells = signs.cells(text)
         if len(cells) == width and any(map(_is_value, cells)) and not COMMENT.match(text):
@@ -399,7 +402,11 @@ def number_headers(every: Iterable[ResultTable]) -> list[ResultTable]:
 
 
 def _adams_table(file: ResultText) -> ResultTable:
-    """The steps of an Adams result file as a table; raises LinkproofError with the file, and the step as the line."""
+    """The steps of an Adams result file as a table, a row for each instant.
+
+    Raises LinkproofError, with the file, and the line or in its place the step, for invalid XML and for steps that are
+    no rows of numbers, one for each component.
+    """
     names: dict[int, tuple[str, str]] = {}  # header and unit by id
     steps: list[str] = []
     entity = ""

@@ -190,7 +190,7 @@ class Truth(LinkageInMotion):
 
     @cached_property
     def sweep(self) -> Sweep:
-        """The linkage posed at φ(t)."""
+        """The linkage posed at φ(t), (n,); raises AssemblyError where it cannot be assembled."""
         return self.mechanism.sweep(self.motion.angle(self.time))
 
     @property
@@ -281,9 +281,9 @@ class Case:
 
     @property
     def unbounded_at(self) -> float | None:
-        """A change point that the motion passes, the first in a turn, rad, where joint forces are infinite.
+        """A change point that the motion passes, rad, where joint forces are infinite; None if it passes none.
 
-        Else None.
+        It is the first in a turn of those passed.
         """
         low, high = self.reach
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
@@ -360,8 +360,8 @@ class Case:
 def unpickle_case(case: bytes) -> Case:
     """The case of a worker's job from its pickle, one object for all its jobs, so that they share its cache.
 
-    Pickled even within this process: unpickling may change an array's memory order, and with it the last bits of sums;
-    so all workers get the same bits.
+    The last few cases are kept. Pickled even within this process: unpickling may change an array's memory order, and
+    with it the last bits of sums; so all workers get the same bits.
     """
     result: Case = pickle.loads(case)
     return result
