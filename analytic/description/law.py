@@ -93,7 +93,8 @@ class Law:
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """Value, SI, or its derivative of the given order over the coordinate, at each angle, rad, or travel, m.
 
-        Shape (k, *angle.shape); a traced ``angle`` gives traced numbers. The restriction ``when`` is not applied here.
+        Shape (k, *angle.shape); of a traced ``angle`` a list of k traced numbers. The restriction ``when`` is not
+        applied here.
         """
         if self.angles is None:
             values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)

@@ -251,12 +251,15 @@ class EquationOfMotion:
 
     @cached_property
     def peak_moment(self) -> float:
-        """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s², and of the torque over time."""
+        """Largest |Q + M1|/Jeq, rad/s², over the angles that the crank can reach.
+
+        A torque over time counts with its largest magnitude, added to |Q + M1|.
+        """
         seen = self.mechanism.turn.angle
         most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
 
         def moment(terms: Array) -> Array:
-            """Largest |moment| over Jeq, rad/s², by ``terms``, with the torque over time at its largest."""
+            """The size |Q + M1|/Jeq, rad/s², from ``terms`` (3 or 4, ...), with the torque over time at its largest."""
             return np.asarray(np.abs(terms[0]) + most * np.abs(terms[3]) if most else np.abs(terms[0]))
 
         if self.table is not None:
