@@ -63,9 +63,9 @@ def way_words(record: Row) -> str:
 
 
 def method_words(record: Row) -> str:
-    """The name of a point's setting or method, without its step.
+    """The name of a point's setting or method, without its step; of several runs extrapolated with " x3" at its end.
 
-    Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
+    A method's name may end in that already.
     """
     runs = f" x{record.runs}" if record.is_extrapolated else ""
     return str(record.setting).removesuffix(runs) + runs
@@ -96,7 +96,7 @@ def least_words(sweep: DataFrame) -> str:
 
 
 def noise_share(bench: Bench) -> float:
-    """The share by which two times of the same work may differ in this benchmark, 5 % or more."""
+    """The share by which two times of the same work may differ in this benchmark: its noise, but at least 5 %."""
     return max(LEAST_NOISE, bench.noise)
 
 
@@ -106,7 +106,7 @@ def noise_note(bench: Bench) -> str:
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:
-    """The labels of all engines of a benchmark, by name, the control last."""
+    """The labels of all engines of a benchmark, by the engine's name, those of controls last."""
     known = bench.table.sort_values(["is_control", "engine"])
     return dict(zip(known.engine, known.label, strict=True))
 
@@ -159,7 +159,7 @@ def printout(bench: Bench, requested: Sequence[str] = ()) -> Printout:
 
 
 def _place_printout(place: DataFrame, quantity: str) -> Iterator[Printed]:
-    """Yield the block of one mechanism, regime and quantity: heading, tables, and what failed."""
+    """Yield the printed block of one mechanism and regime in a quantity: heading, tables, and what failed."""
     where = place.iloc[0]
     is_measured = bool(quantities(place))
     what = f"{plain(quantity)}, largest error over the peak" if is_measured else "nothing finished"
@@ -191,9 +191,9 @@ def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str]
 
 
 def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple[TableCell | str, ...]:
-    """The row of a sweep's method: order, and least error, which may be a floor, with its step and time.
+    """The row of a sweep's method: engine, method, order, least error over the peak, steps per turn and time of that.
 
-    A note is what ``about`` has of the method.
+    A note on the method is what ``about`` has of it, by engine and method's name.
     """
     best = least(sweep)
     name = TableCell(method_words(best), note=about.get((best.engine, best.setting), ""))
@@ -247,9 +247,10 @@ def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
 def _verdict(
     regime: str, group: Sequence[DataFrame], ways: Sequence[Sequence[Sequence[Row | None]]], noise: float
 ) -> str:
-    """A sentence on the cheapest engines under a regime.
+    """A sentence on the cheapest engines under a ``regime``, for a few errors.
 
-    ``group`` has its places, ``ways`` the choices of every place and engine; times within a share ``noise`` are equal.
+    ``group`` has the rows of each of its places, ``ways`` the ``choices`` of every place and engine; times within a
+    share ``noise`` of the least are equal.
     """
     wins = [(_error_words(WANTED[column]), _winners(ways, column, noise)) for column in NAMED]
     leaders = {winners[0][0] if len(winners) == 1 and winners[0][2] == len(ways) else "" for _, winners in wins}
@@ -281,13 +282,16 @@ def _winners(places: Ways, column: int, noise: float) -> list[tuple[str, str, in
 
 
 def _time_span(records: Sequence[Row]) -> str:
-    """The shortest and longest time of runs in words, set-up included; one time where both read alike."""
+    """The shortest and longest time of runs in words, "3.1 ms to 2.0 s", set-up included; one where both read alike."""
     times = [record.total_seconds for record in records]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
 def choices_section(regimes: Regimes, bench: Bench) -> Section:
-    """The section on the cheapest way to an error: over all mechanisms, then each in a fold with all its tables."""
+    """The section on the cheapest way to an error: over all mechanisms, then each in a fold with all its tables.
+
+    ``regimes`` are the places of ``bench`` by regime.
+    """
     about = {(method["engine"], method["name"]): method["about"] for method in bench.document["methods"]}
     head = ("Regime", "Engine", *map(bound, WANTED))
     judged, overheads = judged_by(regimes), large_overheads(bench)
@@ -305,7 +309,7 @@ def choices_section(regimes: Regimes, bench: Bench) -> Section:
 
 
 def _regime_rows(groups: Regimes) -> Iterator[tuple[TableCell | str, ...]]:
-    """Yield a row per regime and engine, a cell for each wanted error; neighbouring cells that are equal are joined."""
+    """Yield a row per regime and engine, a cell for each of ``WANTED``; neighbouring cells that are equal are one."""
     for name, group in groups.items():
         by_engine = grouped((points.label.iloc[0], points) for place in group for points in engines(place))
         for label, mine in by_engine.items():
@@ -367,10 +371,10 @@ def place_data(place: DataFrame) -> dict[str, Any]:
 
 
 def _sweep_data(sweep: DataFrame) -> dict[str, Any]:
-    """A method's points, or a setting's one, for the diagram, JSON-ready.
+    """A method's points, or a setting's one, for the diagram, JSON-ready; ``sweep`` has their rows in every quantity.
 
-    ``ends`` have by quantity the least error in words, and the order; a point's ``errors`` are, over the peak, the
-    largest as drawn, the largest and the root mean square.
+    "ends" have by quantity the least error in words, and the order; a point's "errors" are by quantity, over the peak,
+    the largest as drawn, the largest and the root mean square.
     """
     first, points = sweep.iloc[0], [rows(point) for _, point in sweep.groupby("key", sort=False)]
     return {
@@ -422,7 +426,7 @@ def page(bench: Bench) -> Page:
 
 
 def cost(bench: Bench) -> tuple[Paragraph, ...]:
-    """Paragraphs for a report's first page: the cheapest engines by the benchmark."""
+    """Paragraphs for a report's first page, one per regime: the cheapest engines by the benchmark."""
     words = verdicts(by_regime(bench), noise_share(bench))
     return tuple(replace(paragraph, role="lead") for paragraph in words)
 
@@ -443,7 +447,7 @@ def _failures(every: Sequence[DataFrame]) -> tuple[str, ...]:
 
 
 def _measured(bench: Bench) -> Section:
-    """The section on the conditions of the measurement."""
+    """The section on the conditions of the measurement: rounds, environment, number of points, the command."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
     sentences = lines("measurement", extent=document["extent"], noise=bench.noise)
     facts = Facts((

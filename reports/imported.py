@@ -126,7 +126,7 @@ def _undecided_sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _unexplained_sentences(judgement: ImportedJudgement) -> Iterator[str]:
-    """Yield sentences on signals whose difference is noise, and on those that no cause explains."""
+    """Yield a sentence for each unexplained signal whose difference is noise, and one on all others."""
     names = judgement.explanation.unexplained
     noisy = {verdict.name: verdict for verdict in judgement.verdicts if verdict.name in names and verdict.is_noise}
     for name, verdict in noisy.items():
@@ -297,7 +297,7 @@ def judged_figure(judgement: ImportedJudgement, title: str) -> Figure:
     lines = (title, sentence(judgement), *causes)
 
     def place(figure: Figure) -> None:
-        """Draw each curve beside the closed form, and below it the difference, into a figure."""
+        """Draw each curve beside the closed form, and below it the difference, into a figure with head and legend."""
         host = draw.head(figure, lines)
         grid = host.subplots(2, len(shown), sharex="col", squeeze=False)
         for verdict, (_, corrected), above, below in zip(shown, without, *grid, strict=True):

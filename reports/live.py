@@ -164,7 +164,7 @@ MOST_NUMBERS: Final = 200_000  # of all its results
 
 
 def _sampled(sheet: Sheet) -> dict[str, Any]:
-    """The data of a widget without formulas, JSON-ready: no numbers, and a motion."""
+    """The data of a widget without formulas, JSON-ready: no numbers, and a motion with its duration, s, and kind."""
     time = sheet.values["time"]
     motion = {
         "duration": float(time.max() - time.min()),
@@ -255,7 +255,8 @@ def _numbers(model: Model) -> dict[str, Any]:
 def _number_row(name: str, number: Number, file: WrittenNumbers, literals: list[str]) -> dict[str, Any]:
     """The row of a number: group, label, unit, and its value in the file's unit and in SI.
 
-    ``literals`` are its places in the file, as written: it is ``offered`` for change where the first is its value.
+    ``literals`` are its texts in the file's templates, as written: it is "offered" for change where the first is its
+    value.
     """
     kind, *rest = file.places[name]
     unit = file.unit(number.kind)
@@ -318,7 +319,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
-    """Yield name, point and loaded link of every joint, for the arrows of forces."""
+    """Yield "name", "point" and loaded link, "on", of every joint, for the arrows of forces."""
     for pin in linkage.pins:
         yield from ({"name": joint, "point": pin.point, "on": link} for joint, link in pin.joints.items())
     for slider in linkage.sliders:

@@ -150,7 +150,7 @@ def cell_facts(result: Cell) -> dict[str, str]:
 
 
 def _error_and_limit(errors: Sequence[Error]) -> str:
-    """The first error and its limit, over the peak, with the quantity's name, as text; "" without any."""
+    """The first of the errors and its limit, over the peak, with the quantity's name, as text; "" without any."""
     return "".join(f"{worded(row.quantity)} {error(row.error_max)}, limit {bound(row.limit)}" for row in errors[:1])
 
 
@@ -229,7 +229,7 @@ def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "")
 
 
 def _compact(count: Counter[StressVerdict]) -> TableCell:
-    """Counts of verdicts as one cell, ``12✓ 3○ 2!``, in the colour of the worst."""
+    """Counts of verdicts as one cell, ``12✓ 3○ 2!``; missed motions and false alarms give it their colour."""
     text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
     loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
     fine = count[StressVerdict.WITHIN] and not any(count[fault] for fault in FAULTS)
@@ -304,7 +304,7 @@ MOST_OPEN = 12
 
 
 def page(stress: Stress) -> Page:
-    """The page of a stress test."""
+    """The page of a stress test: verdict and ranking, counts, maps, incidents, what was run."""
     lead = (
         Paragraph(summary(stress, "stress_verdict"), "verdict"),
         Paragraph(ranking(stress), "lead"),

@@ -170,12 +170,12 @@ class PageServer(ThreadingHTTPServer):
         super().process_request(request, client_address)
 
     def shutdown_request(self, request: socket) -> None:  # type: ignore[override]
-        """Close a request and forget it."""
+        """Close the connection of a request and no longer count it as open."""
         self._open.pop(request, None)
         super().shutdown_request(request)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print an error of the server on stderr, unless a browser has only disconnected or fallen silent."""
+        """Print an error of the server on stderr, unless a browser has only disconnected or was too slow."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 
@@ -221,7 +221,7 @@ class _Request(BaseHTTPRequestHandler):
         return None
 
     def _send_response(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
-        """Send a status and content, of a MIME ``kind``, with the headers of every answer."""
+        """Send a status and content, of a MIME ``kind`` in UTF-8, with the headers of every answer."""
         self.send_response(status)
         own = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content))}
         for name, value in (HEADERS | own).items():
@@ -230,4 +230,4 @@ class _Request(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, *_: object) -> None:
-        """Log nothing."""
+        """Log nothing, unlike the base class, which prints every request."""

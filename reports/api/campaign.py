@@ -183,7 +183,7 @@ def processes(bounds: Asked) -> int:
 def worker_pool(bounds: Asked) -> LocalPool | DaskPool:
     """A new pool of worker processes, of this machine or of a Dask scheduler, for list after list of runs.
 
-    The caller closes it.
+    The caller closes it. Its runs raise LinkproofError where there is no such scheduler.
     """
     return LocalPool(processes(bounds), lasts=True) if bounds.scheduler is None else DaskPool(bounds.scheduler)
 
@@ -271,7 +271,8 @@ def rows_before(place: Path) -> list[Error]:
 def chosen_limits(files: Sequence[LinkageFile], limits: Path | None) -> LimitTable:
     """The limits of a user's file before the suite's, or the suite's alone for None; raises LinkproofError.
 
-    It does so for unknown names in the file; those of ``files``, and of linkages beside them, are known.
+    It does so for a file that cannot be read and for unknown names in it; those of ``files``, and of linkages beside
+    them, are known.
     """
     if limits is None:
         return shipped_limits()
@@ -380,9 +381,9 @@ def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: 
 
 
 def usual_motion(motion: Motion, *, quick: bool) -> Motion:
-    """A copy of the motion, with the default regimes if it names none.
+    """A copy of the motion, with the default regimes of a benchmark if it names none.
 
-    A quick benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
+    A ``quick`` benchmark runs up over half a turn and turns half a turn more, which shows as much as many turns.
     """
     usual = () if motion.swings else QUICK_REGIMES if quick else REGIMES
     motion = replace(motion, regime=motion.regime or usual)
@@ -395,7 +396,7 @@ def usual_motion(motion: Motion, *, quick: bool) -> Motion:
 def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[str, ...]:
     """The quantities to measure, the usual ones if none is named, each once; raises LinkproofError.
 
-    It does so for a case that has none of them, UnknownNameError for an unknown one.
+    It does so for a case that has none of them or in which one is not defined, UnknownNameError for an unknown one.
     """
     quantities = tuple(dict.fromkeys(map(symbol, named))) or USUAL_QUANTITIES
     for name in quantities:

@@ -94,7 +94,7 @@ class DeclaredOption(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The option as typed, without the dashes in front."""
+        """The option as typed, without the dashes in front: the last of its flags, or its field's name with dashes."""
         flags = self.info.flags if isinstance(self.info, Option) else ()
         return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
 
@@ -307,7 +307,7 @@ def _options_with_values(source: Any, given: Mapping[str, Any]) -> Iterator[tupl
 
 
 def _typed(option: DeclaredOption, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - of any option
-    """An option's value as words of a command, one for each member; () for None."""
+    """An option's value as words of a command, one for each member, numbers in one with commas; () for None."""
     typed = tuple(map(typed_word, _values_of(value)))
     return (",".join(typed),) if member_type(option.kind) is float else typed  # numbers are one word
 

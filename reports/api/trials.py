@@ -80,7 +80,8 @@ def engines(
 def check_engine(engine: "Engine | str", jobs: int | None = None) -> "EngineFindings":
     """The results of every check of an adapter, given by its name or as an object, in ``jobs`` worker processes.
 
-    Raises LinkproofError if there is nothing to check, or if the adapter cannot be loaded.
+    By default there is one per core. Raises LinkproofError if there is nothing to check, or if the adapter cannot be
+    loaded.
 
     >>> linkproof.check_engine("direct").check().checks[0].finding
     <Finding.PASSED: 'passed'>

@@ -119,7 +119,7 @@ class EngineRanking:
 
     @cached_property
     def cells(self) -> Mapping[tuple[str, str], Mapping[str, EngineRecords]]:
-        """Records and invariants by engine and setting, and of each by family of quantities."""
+        """Records and invariants by (engine, setting), and of each by the title of the family of quantities."""
         every = (*self.results.records, *self.results.invariants)
         runs = grouped(((record.engine, record.setting), record) for record in every)
         families = {run: grouped((self._family_of_record(record), record) for record in of) for run, of in runs.items()}
@@ -140,7 +140,7 @@ class EngineRanking:
 
     @cached_property
     def settings(self) -> tuple[str, ...]:
-        """The settings that ran, the decisive one first, unknown ones last."""
+        """The names of the settings that ran, the decisive one first, unknown ones last, sorted."""
         ran = {setting for _, setting in self.cells}
         return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
 
@@ -188,7 +188,7 @@ class EngineRanking:
         return statistics.geometric_mean(time + SHIFT for time in runs) - SHIFT if runs else None
 
     def _family_of_record(self, record: Error) -> str:
-        """The family of a record: checks, released motion, or that of its quantity."""
+        """The title of a record's family: ``CHECKS``, ``RELEASED``, or that of its quantity."""
         if record.quantity in self.checks:
             return CHECKS
         if (record.mechanism, record.variant, record.regime) in self._released_regimes:
@@ -256,7 +256,7 @@ def _trust_sentence(trust: EngineRanking, engines: Sequence[str], setting: str) 
 
 
 def _has_failed(results: CampaignResults) -> bool:
-    """Whether a deciding run failed or a change since the recorded results fails."""
+    """Whether a deciding record failed, linkproof itself was at fault, or a change since the recorded results fails."""
     decided = deciding((*results.records, *results.invariants))
     failed = any(Verdict(record.outcome).failed or record.outcome == Verdict.SUITE_ERROR for record in decided)
     return failed or any(entry.fails for entry in results.changes)
@@ -279,7 +279,7 @@ def _share_of_peak(error: float) -> str:
 
 
 def _engines_by_families(families: Mapping[str, Sequence[str]]) -> dict[tuple[str, ...], list[str]]:
-    """Engines by their families, those with the same together; engines without any are left out."""
+    """Engines by their families, those with the same families together; engines without any are left out."""
     return grouped((tuple(names), engine) for engine, names in families.items() if names)
 
 
@@ -371,7 +371,7 @@ def _engines_section(trust: EngineRanking) -> Section:
 
 
 def picture(trust: EngineRanking) -> Widget:
-    """A widget of error against time, with a dot for every engine and setting; the family is chosen in it.
+    """A widget of error over the peak against time, with a dot for every engine and setting; its family can be chosen.
 
     Released cranks and checks are left out.
     """
@@ -383,7 +383,10 @@ def picture(trust: EngineRanking) -> Widget:
 
 
 def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
-    """Yield the dots of every engine in the family ``name``, each with the address of its worst curve, JSON-ready."""
+    """Yield a trace of Plotly for every engine in the family ``name``, a dot for each setting, JSON-ready.
+
+    Its "customdata" are the addresses of the worst curves.
+    """
     for engine, look in looks(trust.engines, trust.controls).items():
         cells = {setting: trust.cell(engine, setting, name) for setting in trust.settings}
         known = {setting: cell for setting, cell in cells.items() if cell.error is not None and cell.worst is not None}
@@ -426,7 +429,7 @@ def leads_to(trust: EngineRanking, record: Error | None) -> str:
 
 
 def settings_table(trust: EngineRanking) -> Table:
-    """The table of engines and settings: share within limits, largest use of a limit, and time of a run."""
+    """The table of engines and settings: share within limits, largest error over its limit, and time of a run."""
     rows: list[tuple[TableCell | str, ...]] = [
         (engine, *(cell for setting in trust.settings for cell in _share_error_and_time(trust, engine, setting)))
         for engine in trust.engines
@@ -464,9 +467,9 @@ def _share_error_and_time(trust: EngineRanking, engine: str, setting: str) -> tu
 
 
 def families_table(trust: EngineRanking, *, leads: bool = True) -> Table:
-    """The table of engines and families: each largest error, a column's least marked; a cell ``leads`` to its curve.
+    """The table of engines and families: each largest error over the peak, a column's least marked.
 
-    The naive setting is there only alone.
+    A cell ``leads`` to its curve if wanted. The naive setting is there only if no other ran.
     """
     rows: list[tuple[TableCell | str, ...]] = [
         (engine, setting, *(_family_cell(trust, engine, setting, name, leads=leads) for name in trust.families))

@@ -41,7 +41,7 @@ def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
 
 
 def _record_case(record: Error, decisive: Container[str]) -> ElementTree.Element:
-    """A record as JUnit's test case: passed, failed, in error or skipped.
+    """A record as JUnit's test case: passed, failed, in error for a fault of linkproof, or skipped if not judged.
 
     One over its limit is skipped where its setting is not among the ``decisive`` ones.
     """

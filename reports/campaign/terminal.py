@@ -114,7 +114,7 @@ def _mechanism_table(runs: Sequence[RunRecord], while_others: str) -> Table:
 
 
 def _computed_or_shared(runs: Sequence[RunRecord]) -> list[str]:
-    """Lines on the values that adapters compute themselves, one for each run with such values."""
+    """Lines on the values that adapters compute themselves or share with the reference, one for each run with such."""
     names = {f"{run.engine} {run.setting}": computed_or_shared(run.every) for run in runs}
     return [f"{name}: {words}" for name, words in names.items() if words]
 
@@ -125,13 +125,13 @@ def _place(record: Error) -> str:
 
 
 def _unjudged(runs: Iterable[RunRecord]) -> list[Error]:
-    """The records without an error, and those that do not fail by theirs, for it is within its limit."""
+    """The records whose reasons are told: those without an error, and those whose error is within its limit."""
     every = (record for run in runs for record in run.every)
     return [record for record in every if record.error_max is None or record.error_max <= (record.limit or -1.0)]
 
 
 def _closing_line(runs: Iterable[RunRecord]) -> str:
-    """The last line: how many results came to each verdict, and how many samples were left out."""
+    """The last line: how many deviations came to each verdict or were not judged, and how many samples left out."""
     counts, left_out = Counter[str](), 0
     for record in (quantity_record for run in runs for quantity_record in (*run.errors, *run.invariants)):
         counts[record.outcome] += 1

@@ -84,7 +84,7 @@ def wrap(text: str, room: float) -> str:
 
 
 def head_lines(lines: Sequence[str], width: float) -> list[str]:
-    """The lines of a figure's head, folded to its width in inches."""
+    """The lines of a figure's head, folded to its width in inches, each part a line of its own."""
     return [part for line in lines for part in wrap(line, width).splitlines()]
 
 
@@ -95,7 +95,7 @@ def head(host: Host, lines: Sequence[str]) -> Host:
 
 
 def axis_label(name: str, unit: str) -> str:
-    """The label of an axis: a name and its unit, if it has one."""
+    """The label of an axis: "name, unit", or the name alone for the unit ""."""
     return f"{name}, {unit}" if unit else name
 
 
@@ -124,7 +124,7 @@ def finish(axes: Axes, x_label: str = "", y_label: str = "", *, turn: bool = Fal
 
 
 def is_wide(figure: Figure) -> bool:
-    """Whether a figure takes a page's whole width."""
+    """Whether a figure takes a page's whole width, ``FULL_WIDTH``."""
     return figure.get_figwidth() == FULL_WIDTH
 
 

@@ -72,7 +72,7 @@ class KinematicScheme:
 
     @property
     def joined(self) -> set[str]:
-        """Names of the points where links are joined."""
+        """Names of the points of pins, sliders and slots, where links are joined."""
         of = self.linkage
         return {p.point for p in of.pins} | {s.point for s in of.sliders} | {s.point for s in of.slots}
 
@@ -126,7 +126,10 @@ class KinematicScheme:
 
     @cached_property
     def stretches(self) -> dict[str, Array]:
-        """Both ends of every spring, damper and cylinder, by name, over all positions, (2, 2, n), drawing's unit."""
+        """Both ends of every spring, damper and cylinder over all positions, (2, 2, n), in the drawing's unit.
+
+        They are called "spring:0" and so on, in the linkage's order, and "cylinder".
+        """
         between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
         both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
         return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])
@@ -258,7 +261,7 @@ def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Draw guides of sliders and slots over their travel; a rail on the ground lies away from the links.
+    """Draw guides of sliders and slots over their travel; a rail on the ground is on the side away from the links.
 
     ``size`` is a pin's radius.
     """

@@ -83,7 +83,7 @@ def cylinder(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def pin(axes: Axes, place: Array, size: float, layer: float = 8.0) -> None:
-    """Draw a revolute joint, a circle of this radius; a higher ``layer`` covers lower ones."""
+    """Draw a revolute joint, a circle of the radius ``size``; a higher ``layer`` covers lower ones."""
     axes.add_patch(Circle((place[0], place[1]), size, facecolor=PAPER, edgecolor=INK, linewidth=1.0, zorder=layer))
 
 
@@ -141,5 +141,5 @@ def spring(axes: Axes, start: Array, end: Array, size: float) -> None:
 
 
 def eye(axes: Axes, place: Array, size: float) -> None:
-    """Draw a point of a link where nothing is pinned."""
+    """Draw a point of a link where nothing is pinned, a dot."""
     axes.add_patch(Circle((place[0], place[1]), 0.6 * size, facecolor=INK, linewidth=0.0, zorder=8.0))

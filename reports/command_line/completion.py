@@ -73,7 +73,10 @@ def quantities(incomplete: str) -> list[str]:
 
 
 def parameters(incomplete: str) -> list[str]:
-    """Names, beginning with the incomplete word, of numbers that designs of the typed mechanism may vary."""
+    """Names, beginning with the incomplete word, of numbers that designs of the typed mechanism may vary.
+
+    The speed is one of them; each has "=" behind it.
+    """
     from analytic.description.changes import SPEED
     from comparisons.designer.parameters import parameters as known
 
@@ -150,7 +153,10 @@ def complete(app: click.Group) -> int:
 
 
 def _completer(app: click.Group, shell: str) -> ShellComplete:
-    """Click's object that completes for a shell, by its name; raises LinkproofError for a shell without completion."""
+    """Click's object that completes for a shell, by its name, such as "bash".
+
+    Raises LinkproofError for a shell without completion.
+    """
     from click.shell_completion import get_completion_class
 
     kind = get_completion_class(shell)

@@ -32,7 +32,10 @@ SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
 def refuse_gone(name: str, command: str = "") -> None:
-    """Raise LinkproofError for a command, or an option of a ``command``, that is gone; do nothing for any other."""
+    """Raise LinkproofError, with what to do instead, for a command, or an option of a ``command``, that is gone.
+
+    It does nothing for any other. ``name`` is as typed, "--option" of an option.
+    """
     answers = dict(line.split(": ", 1) for line in GONE.read_text(encoding="utf-8").splitlines())
     answer = answers.get(f"{command} {name}", answers.get(name))
     if answer:
@@ -47,7 +50,10 @@ class CommandGroup(click.Group):
         return list(self.commands)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:  # noqa: ANN401 - of click
-        """The command of the first word, as click has it; raises LinkproofError for one that is gone."""
+        """The name and command of the first word, and the words after it, as click has them.
+
+        Raises LinkproofError for a command that is gone, click's UsageError for an unknown one.
+        """
         if args[0] not in self.commands and not ctx.resilient_parsing:
             refuse_gone(args[0])
         return super().resolve_command(ctx, args)

@@ -112,7 +112,7 @@ def evaluated(
 
 
 def _signals_by_variable(mechanism: Mechanism) -> dict[str, list[str]]:
-    """Names of the signals of every variable that can be requested, by variable."""
+    """Names of the signals of every variable that can be requested, by variable; those of the drive cannot."""
     known: dict[str, list[str]] = {}
     for name in signals.table(mechanism):
         if name not in signals.DRIVE:

@@ -87,7 +87,7 @@ class New(Study):
     beside: str
 
     def printout(self) -> Printout:
-        """The printed paths of the new files, and the next command."""
+        """The printed paths of the new files, and the next command, in a closing line."""
         argument = shlex.quote(f"./{self.path}" if str(self.path).startswith("-") else str(self.path))
         return Printout((), [f"wrote {self.path}{self.beside}; next: linkproof check {argument}"])
 
@@ -152,7 +152,7 @@ class Check(Study):
         return str(self.fault or f"{self.facts['mechanism']} ({self.facts['variant']}): {self.facts['title']}")
 
     def printout(self) -> Printout:
-        """The printed facts, a line each, then the table of links."""
+        """The printed facts, a line each, then the table of links and the warnings."""
         return Printout(printed_facts(self.facts, self.linkage.written), ())
 
     def to_dict(self) -> Mapping[str, Any]:

@@ -164,7 +164,7 @@ class Optimisation(Study):
         }
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A table of numbers and figures with a row before and a row after."""
+        """A DataFrame of numbers and figures in the file's units, with a row before and a row after."""
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
@@ -260,7 +260,7 @@ def _remarks(optimum: Optimum) -> Iterator[Printed]:
 
 
 def _optimality(search: Search) -> Iterator[str]:
-    """Yield sentences on how near to an optimum the search came."""
+    """Yield sentences on how near to an optimum the search came, and on why it stopped if that is not near."""
     yield (
         f"Optimality (KKT residual, a share of the aim over the whole of the bounds): {steady_error(search.residual)}; "
         "0 is an exact optimum."
@@ -320,7 +320,7 @@ def _before_after_figure(optimum: Optimum, conditions: str) -> Figure:
     looks = {"before": (draw.MUTED, "--"), "after": (draw.PALETTE[0], "-")}
 
     def place(figure_: Figure) -> None:
-        """Draw a panel for each signal: its curve before and after, the peaks marked."""
+        """Draw a panel for each signal into a figure: its curve before and after, the peaks marked."""
         host = draw.head(figure_, [_aim(optimum), conditions, *more])
         grid = host.subplots(min(len(names), MOST), sharex=True, squeeze=False)[:, 0]
         for axes, name in zip(grid, names, strict=False):

@@ -97,7 +97,7 @@ class Results(Study):
         return self.sheet.conditions
 
     def to_dict(self) -> Mapping[str, Any]:
-        """The sheet as JSON prints it: SI, angles in rad."""
+        """The sheet with the peaks of all signals, as JSON prints it: SI, angles in rad, None for no finite number."""
         return document(self._whole_sheet)
 
     def json(self) -> str:
@@ -113,7 +113,7 @@ class Results(Study):
     def plot(self, figure: str | None = None) -> Figure:
         """A figure of the scheme and the curves, or of one ``figure``, by name, alone.
 
-        Raises LinkproofError for an unknown one.
+        Raises LinkproofError for an unknown one and for one that the linkage lacks.
         """
         from reports.designs.results_drawing import results_figure  # noqa: PLC0415 - a second that other files save
 

@@ -72,7 +72,7 @@ def _everything(sheet: Sheet) -> Figure:
 
 
 def _title(sheet: Sheet, name: str) -> str:
-    """The title of a curve: its name, its peak with unit, and the peak's place."""
+    """The title of a curve: its name in a word, its peak with unit, and the peak's place."""
     peak = sheet.peaks[name]
     what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
@@ -111,7 +111,7 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
         )
 
     def plot(figure: Figure) -> None:
-        """Draw the signals on one pair of axes, with a legend above."""
+        """Draw the signals on one pair of axes, with a legend above, into a figure."""
         axes = figure.subplots()
         for n, (signal, word) in enumerate(signals.items()):
             axes.plot(sheet.x, sheet.y(signal), "-" if n < len(PALETTE) else "--", label=draw.wrap(word, COLUMN - 1.0))
@@ -122,9 +122,9 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
 
 
 def _signals_together(sheet: Sheet, name: str) -> tuple[dict[str, str], str]:
-    """The signals drawn on one pair of axes for "forces" or "transmission", by name with their words, and its label.
+    """The signals to draw on one pair of axes for "forces" or "transmission", by name with their words.
 
-    {} for those lacking. There are ten forces at most, the largest first.
+    With them is the axis label; {} for those lacking or another name. There are ten forces at most, the largest first.
     """
     if name == "forces":
         signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}

@@ -117,11 +117,11 @@ class DesignSweep(Study):
         }  # fmt: skip
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A DataFrame with a row for every design, nan where it does not assemble."""
+        """A DataFrame with a row for every design in the file's units, nan where it does not assemble."""
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:
-        """A figure: curves over one number, maps over two, dots over each of more."""
+        """A figure: curves over one number, maps over two, dots over each of more; nine figures at most."""
         from reports.designs.sweep_picture import sweep_figure  # noqa: PLC0415 - a second that other calls save
 
         study = self.study

@@ -70,7 +70,7 @@ class _PageFiles:
 
     @property
     def root(self) -> str:
-        """The relative path from the page to the report's folder."""
+        """The relative path from the page to the report's folder: "" or some "../"."""
         return "../" * self.page.file.count("/")
 
     def inline(self, words: Words) -> Markup:
@@ -118,6 +118,6 @@ class _PageFiles:
         return Picture(f"{self.root}{name}.svg", width, height, draw.is_wide(drawing))
 
     def _file(self, name: str) -> Path:
-        """The path of a file in the folder; its name is added to those written."""
+        """The path of a file, ``name`` within the report's folder; its name is added to those written."""
         self.names.append(name)
         return self.folder / name

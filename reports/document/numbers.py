@@ -12,7 +12,10 @@ ROUND_OFF = 1e-13
 
 
 def figure(value: float | None, digits: int = 4) -> str:
-    """A value as text with so many significant digits: 8.339e-5, 0.2704, 31.00; a dash for none or one not finite."""
+    """A value as text with so many significant digits: 8.339e-5, 0.2704, 31.00; a dash for None or one not finite.
+
+    It has an exponent below 1e-3 and from 1e6 on.
+    """
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0:
@@ -46,7 +49,10 @@ def _scientific(value: float, digits: int, *, trailing: bool = True) -> str:
 
 
 def error(value: float | None) -> str:
-    """A deviation as text to two digits, with an exponent below one: 1.2e-5, 1.9; a dash for none or one not finite."""
+    """A deviation, 0 or more, as text to two digits: 1.9, and below one or from a hundred on with an exponent, 1.2e-5.
+
+    A dash for None or one not finite.
+    """
     if value is None or not math.isfinite(value):
         return ABSENT
     if value == 0.0 or 0.995 <= value < 100.0:
@@ -63,12 +69,12 @@ def steady_error(value: float | None) -> str:
 
 
 def bound(value: float | None) -> str:
-    """A limit as text in at most four digits, as it stands in its table: 1e-4, 2.5e-6; a dash for None."""
+    """A limit as text in at most four digits and an exponent, as in its table: 1e-4, 2.5e-6; a dash for None."""
     return ABSENT if value is None else _scientific(value, 4, trailing=False)
 
 
 def decade(value: float) -> str:
-    """The power of ten at or above a bound as text: 1e-9 for 2.3e-10; for round-off always 1e-13."""
+    """The power of ten at or above a bound as text: 1e-9 for 2.3e-10; for 1e-13, round-off, or less always 1e-13."""
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
@@ -83,7 +89,7 @@ def grouped(count: int, space: str = " ") -> str:
 
 
 def within_turn(angle: float, digits: int = 1) -> str:
-    """An angle, given in degrees, within [0°, 360°) as text: 359.97 is 0.0°, not 360.0°."""
+    """An angle, given in degrees, within [0°, 360°) as text with ``digits`` decimals: 359.97 is 0.0°, not 360.0°."""
     return f"{round(angle, digits) % 360.0:.{digits}f}°"
 
 

@@ -51,7 +51,7 @@ DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and
 
 
 def sections(sheet: Sheet) -> tuple[Section, ...]:
-    """All sections of the page that the sheet has data for, in a designer's order."""
+    """The sections of the page that the sheet has data for, in a designer's order: drive, forces, links."""
     every = (_drive_section(sheet), _forces_section(sheet), _links_section(sheet))
     return tuple(section for section in every if section.parts)
 
@@ -96,7 +96,10 @@ def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
 
 
 def _drive_section(sheet: Sheet) -> Section:
-    """The section on the inertia behind the torque, and on the reason why there is no output or torque."""
+    """The section on the inertia behind the torque, and on the reasons why there is no output or torque.
+
+    Without parts if there is nothing to say.
+    """
     words = [] if sheet.linkage.output else ["The file names no output: there is no S, v and a."]
     if not any(name in sheet.values for name in DRIVE):
         words += ["No link has mass and there are no loads: there is no torque, power or joint force."]
@@ -184,7 +187,7 @@ def _hodographs(sheet: Sheet, joints: list[str]) -> PageFigure:
 def plot_hodographs(sheet: Sheet, vectors: Sequence[str], host: Host) -> None:
     """Draw each vector's Fy over Fx into ``host``, to its own scale; over a turn a dot every 30° and named quarters.
 
-    Each is entitled with its name and its peak.
+    ``vectors`` are names of signals without component, "joint_force:A". Each is entitled with its name and its peak.
     """
     columns = min(PER_ROW, len(vectors))
     rows = -(-len(vectors) // columns)
@@ -254,7 +257,7 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(sheet: Sheet) -> Facts:
-    """The facts on a mechanism that hold for every motion: structure, range, output, rest."""
+    """The facts on a mechanism that hold for every motion, in words: structure, range, output, rest."""
     pairs = [(name, words) for name, words in mechanism_words(sheet.facts) if name != "Jeq"]
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")
     return Facts((("structure", structure), *pairs))

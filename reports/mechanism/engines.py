@@ -57,7 +57,8 @@ def is_imported(view: View) -> bool:
 def errors_chart(view: View) -> Widget:
     """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen.
 
-    It opens with the curves of the worst signal of a judged file, with every error of engines.
+    It opens with the curves of the worst signal of a judged file, with every error of engines. The first curves are on
+    the page, the others loaded when they are chosen.
     """
     further = curves(view)
     first = next(iter(further), "")
@@ -111,7 +112,7 @@ def error_rows(runs: Iterable[Iterable[Error]], named: Callable[[str], str]) -> 
 
 
 def limit_words(records: Iterable[Error | None]) -> str:
-    """The limits of records as text, each once, in the order of the settings; "" without any."""
+    """The limits of records as text with commas, each once, in the order of the settings; "" without any."""
     limits = {record.setting: record.limit for record in records if record is not None and record.limit}
     return ", ".join(dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank)))
 

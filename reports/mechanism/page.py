@@ -79,7 +79,7 @@ def released_section(sheet: Sheet) -> Section:
 def _released_figures(sheet: Sheet, regime: str, motion: Released) -> Iterator[PageFigure]:
     """Yield a figure of the crank's speed over time, and one of the last whole turn, if it makes one.
 
-    That has speed and acceleration over φ.
+    That has speed and acceleration over φ. ``regime`` is the name of that of the ``motion``.
     """
     name, words = anchor("released", regime), f"Crank speed under {regime}."
     speed = {"n, rpm": motion.motion["omega"] / RPM}
@@ -110,7 +110,10 @@ FOLDER = "mechanisms"
 
 
 def file_of(linkage: Sheet | Linkage) -> str:
-    """The page's path within a report's folder; signs that an address would quote become dashes."""
+    """The page's path within a report's folder, mechanisms/NAME.VARIANT.html.
+
+    Signs that an address would quote become dashes.
+    """
     name, variant = (re.sub(r"[^\w+-]+", "-", word) for word in (linkage.name, linkage.variant))
     return f"{FOLDER}/{name}.{variant}.html"
 

@@ -73,7 +73,7 @@ def jeq(sheet: Sheet, end: str) -> str:
 
 
 def place(sheet: Sheet, signal_figure: SignalFigure) -> str:
-    """The place of a key figure on the axis, as text with its unit; "" without a place."""
+    """The place of a key figure on the axis, as text with its unit, of a turn within 360°; "" without a place."""
     at = sheet.place_of(signal_figure)
     if at is None:
         return ""
@@ -166,7 +166,7 @@ def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
 
 
 def key_table(sheet: Sheet) -> Table:
-    """The key figures as a table, captioned with the conditions."""
+    """The key figures as a table, captioned with the conditions and the note on open ends, if there are any."""
     head = ("figure", "value", f"at {sheet.symbol}")
     conditions = sheet.conditions.partition(": ")[2]
     caption = (

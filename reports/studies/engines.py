@@ -77,7 +77,7 @@ def _type_names(types: Iterable[type]) -> list[str]:
 
 
 def _engine_parts(table: Mapping[str, Any]) -> list[Printed]:
-    """The printed parts of one engine: name and version, abilities, read-outs."""
+    """The printed parts of one engine, as ``_describe_engine`` has it: name and version, abilities, read-outs."""
     version = table["unusable"] or table["version"]
     control = ", the reference's control, no engine" if table["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
@@ -106,7 +106,7 @@ class EngineFindings(Study):
         return 1 if any(each.finding is Finding.FAILED for each in self.checks) else 0
 
     def printout(self) -> Printout:
-        """The printed findings, a line for every check."""
+        """The printed findings, a line for every check, and a closing line with their counts."""
         return printout(self.engine, self.checks)
 
     def to_dict(self) -> Mapping[str, Any]:

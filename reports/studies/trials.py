@@ -258,7 +258,7 @@ class Benchmark(Trials):
         return bench_words.printout(self.results, () if named == USUAL_QUANTITIES else named)
 
     def sentence(self) -> Printed:
-        """A sentence on how much was measured."""
+        """A sentence on how many points of how many engines were measured."""
         return f"{len(self.results.points)} points of {len({point.engine for point in self.results.points})} engines"
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -296,7 +296,7 @@ class StabilityMaps(Trials):
     are_cells: bool = False
 
     def printout(self) -> Printout:
-        """The printed maps: counts and borders; of a single cell every detail."""
+        """The printed maps: counts and borders; of single cells every detail."""
         if self.are_cells:
             return Printout([stress_words.cell_details(cell) for cell in self.results.cells], ())
         return stress_words.printout(self.results)
