@@ -86,7 +86,7 @@ class DartEngine(LoopEngine[DartRecipe]):
     }
 
     def model(self, scene: Scene, recipe: DartRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.dart_loop``; see ``LoopEngine.model``."""
+        """The scene of a prescribed crank as plain data by name, arrays among them, for ``engines.dart_loop``."""
         assert isinstance(scene.drive, Prescribed)
         turning = {body.name for body in scene.bodies if body.inertia is not None}
         start, joints = start_motion(scene), list[Any]()

@@ -24,7 +24,7 @@ class DartWorld:
     """
 
     def __init__(self, given: Data, step: float) -> None:
-        """Build DART's world from the model; ``step`` is in s."""
+        """Build DART's world from the adapter's model; ``step`` is in s."""
         self.given, self.world, self.half = given, dart.simulation.World(), 0.5 * step * given["centred"]
         self.world.setTimeStep(step)
         self.world.setGravity([*given["gravity"], 0.0])
@@ -52,9 +52,9 @@ class DartWorld:
             self.world.getConstraintSolver().addConstraint(constraint)
 
     def attach(self, parent: Any, kind: str, mass: float = TINY, inertia: float = TINY) -> tuple[Any, Any]:  # noqa: ANN401
-        """Create a joint of a ``kind`` and a body (kg, kg m²) on a parent, or on the ground for an empty skeleton.
+        """Create a joint and a body (kg, kg m²) on a parent, or on the ground for an empty skeleton; returns both.
 
-        Returns both.
+        ``kind`` is DART's name of the joint's type, such as "WeldJoint".
         """
         joint, body = getattr(parent, f"create{kind}AndBodyNodePair")()
         body.setInertia(dart.dynamics.Inertia(mass, np.zeros(3), inertia * np.eye(3)))
@@ -74,9 +74,10 @@ class DartWorld:
     def new_joint(self, name: str, ends: tuple[str, str], line: Any, sign: float, keeps_angle: bool) -> Any:  # noqa: ANN401
         """Create the constraint of a pin at a point of its carrier or, with a direction in ``line``, on a line of it.
 
-        Returns it. ``ends`` are carrier and other body. DART has no force of a constraint to read: it acts on a probe
-        that the carrier holds by a joint, which ``forces`` keeps with its ``sign``. With ``keeps_angle`` the bodies do
-        not turn against each other.
+        Returns it. ``ends`` are the names of carrier and other body; ``line`` is the point, m, and the direction, or
+        None for a pin, in the carrier's frame. DART has no force of a constraint to read: it acts on a probe that the
+        carrier holds by a joint, which ``forces`` keeps with its ``sign``, 1.0 or -1.0. With ``keeps_angle`` the bodies
+        do not turn against each other.
         """
         (carrier, other), (point, along) = (self.bodies[end] for end in ends), line
         joint, probe = self.attach(carrier, "PrismaticJoint" if along else "WeldJoint")
@@ -91,7 +92,7 @@ class DartWorld:
         return dart.constraint.BallJointConstraint(probe, other, probe.getTransform().translation())
 
     def spin(self, body: str) -> float:
-        """Angular velocity of a body, rad/s, at the instant of its position; 0 for the ground."""
+        """Angular velocity of a body, by its name, rad/s, at the instant of its position; 0 for the ground."""
         joint = self.turns.get(body)
         return float(joint.getVelocity(0) + self.half * joint.getAcceleration(0)) if joint else 0.0
 
@@ -107,11 +108,14 @@ class DartWorld:
         self.world.step()
 
     def state(self, order: str) -> Array:
-        """x, y and angle of the bodies for "Positions", or of their "Velocities" or "Accelerations", (bodies, 3)."""
+        """x, y and angle of the bodies, (bodies, 3), for "Positions", or their "Velocities" or "Accelerations"."""
         return np.array([getattr(skeleton, f"get{order}")()[:3] for skeleton in self.skeletons])
 
     def read(self, place: Array) -> Data:
-        """Motion, torque and joint forces, ground frame, of the last step; ``place`` is x, y, angle of every body."""
+        """Motion, torque and joint forces of the last step by channel, ground frame.
+
+        ``place`` (bodies, 3) is x, y and angle of every body then. Forces are on the joints' first bodies.
+        """
         changes, axes, forces = self.state("Accelerations"), np.exp(1j * np.append(place[:, 2], 0.0)), list[complex]()
         for probe, row, direction, sign in self.forces.values():
             forces.append(sign * complex(*probe.getBodyForce()[3:5]) * direction * axes[row])
@@ -130,10 +134,10 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """Build a world, step through the one part of a course and return its samples.
+    """Build a world, step through the one part of a course and return its samples: times, s, and values by channel.
 
-    Accelerations and forces begin after the start. A step ends with the velocities of its middle; its forces are those
-    of the state before it.
+    ``given`` is the adapter's model. Accelerations and forces begin after the start. A step ends with the velocities of
+    its middle; its forces are those of the state before it.
     """
     (part,), ratio = course["parts"], course["ratio"]
     steps, ahead = ratio * part["samples"], int(given["centred"])

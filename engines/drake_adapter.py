@@ -80,12 +80,12 @@ class DrakeEngine(LoopEngine[DrakeRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """The reason, in a sentence, to refuse sliders and turn dampers that are not on the ground; else None."""
+        """The reason, in a sentence, to refuse a scene with a slider or turn damper not on the ground; else None."""
         ends = [{slider.host} for slider in scene.sliders] + [{damper.first, damper.second} for damper in scene.dampers]
         return None if all(GROUND in each for each in ends) else "it takes no slider or turn damper but on the ground"
 
     def model(self, scene: Scene, recipe: DrakeRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.drake_loop``; see ``LoopEngine.model``."""
+        """The scene of a prescribed crank as plain data by name, arrays among them, for ``engines.drake_loop``."""
         assert isinstance(scene.drive, Prescribed)
         start, segments, far = start_motion(scene), scene.drive.motion.segments, FAR * scene_size(scene)
         joints = [(pin.name, *pin.ends, 0.0) for pin in scene.pins]

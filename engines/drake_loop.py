@@ -22,7 +22,7 @@ class DrakeWorld:
     """
 
     def __init__(self, given: Data, step: float, end: float) -> None:
-        """Build Drake's diagram from the model; ``step`` and ``end`` of the motion are in s."""
+        """Build Drake's diagram from the adapter's model; ``step`` and ``end``, of the motion, are in s."""
         builder, self.lead = drake.DiagramBuilder(), given["lead"] * step
         self.plant = plant = builder.AddSystem(drake.MultibodyPlant(step))
         plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kSap)  # the others take no loops
@@ -57,19 +57,20 @@ class DrakeWorld:
         plant.get_applied_spatial_force_input_port().FixValue(self.context, loads)
 
     def body(self, mass: float = 0.0, inertia: float = 0.0) -> Any:  # noqa: ANN401
-        """Add a body, its frame at the mass centre, by mass, kg, and inertia, kg m², and return it."""
+        """Add a body, its frame at the mass centre, by mass, kg, and inertia, kg m², and return Drake's object."""
         own = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(*[inertia / mass if mass else 1.0] * 3))
         return self.plant.AddRigidBody(f"body {self.plant.num_bodies()}", own)
 
     def frame(self, body: Any, point: Point = (0.0, 0.0), angle: float = 0.0) -> Any:  # noqa: ANN401
-        """Add a frame to a body at a point, m, turned by an angle, rad, and return it."""
+        """Add a frame to a body of Drake's at a point of it, m, turned by an angle, rad, and return it."""
         pose = drake.RigidTransform(drake.RotationMatrix.MakeZRotation(angle), _space_vector(point))
         return self.plant.AddFrame(drake.FixedOffsetFrame(f"frame {self.plant.num_frames()}", body, pose))
 
     def add_with_joints(self, body: tuple[Any, ...], given: Data) -> list[tuple[Any, Any]]:
-        """Add a body with a chain of joints from the ground; each joint with its axis, as vectors in (x, y, angle).
+        """Add a body with a chain of joints from the ground; returns the joints, each with its axis in (x, y, angle).
 
-        A slider has its guide as the only joint, whose force ``forces`` keeps.
+        ``body`` is its name, mass, inertia or None, place and angle. A slider has its guide as the only joint, whose
+        force ``forces`` keeps.
         """
         name, mass, inertia, place, angle = body
         guide, along = given["guides"].get(name, ("", None))
@@ -90,8 +91,9 @@ class DrakeWorld:
     def add_constraint(self, name: str, first: tuple[str, Point], second: tuple[str, Point], far: float) -> None:
         """Add a pin, or with ``far`` > 0, m, a point kept at this distance, which stands for a slot.
 
-        Drake has no force of a constraint as output: the constraint acts on a body without mass that is welded to the
-        joint's first body, and the weld, which ``forces`` keeps, has the force.
+        ``first`` and ``second`` are each a body's name and a point in its frame, m. Drake has no force of a constraint
+        as output: the constraint acts on a body without mass that is welded to the joint's first body, and the weld,
+        which ``forces`` keeps, has the force.
         """
         (body, here), (host, there), probe = first, second, self.body()
         weld = drake.WeldJoint(name, self.frame(self.bodies[body], here), probe.body_frame(), drake.RigidTransform())
@@ -103,14 +105,17 @@ class DrakeWorld:
             self.plant.AddBallConstraint(*ends)
 
     def load(self, body: str, anchor: Point, force: Point) -> Any:  # noqa: ANN401
-        """Create a constant force, N, ground frame, at a point of a body, as Drake's object; it does not act yet."""
+        """Create a constant force, N, ground frame, at a point of the named body, as Drake's object, not yet acting."""
         load = drake.ExternallyAppliedSpatialForce()
         load.body_index, load.p_BoBq_B = self.bodies[body].index(), _space_vector(anchor)
         load.F_Bq_W = drake.SpatialForce(tau=np.zeros(3), f=_space_vector(force))
         return load
 
     def read(self, time: float) -> Data:
-        """Advance the plant to an instant, s; return positions, velocities, accelerations, torque and joint forces."""
+        """Advance the plant to an instant, s, and return its motion, torque and joint forces by channel.
+
+        Motion is (bodies, 3) in x, y and angle; forces, ground frame, are on the joints' first bodies.
+        """
         self.simulator.AdvanceTo(time)
         plant, context, forces = self.plant, self.context, list[Any]()
         changes = plant.get_generalized_acceleration_output_port().Eval(context)
@@ -128,7 +133,7 @@ class DrakeWorld:
 
 
 def _space_vector(vector: Point) -> Any:  # noqa: ANN401
-    """A plane vector with the third component 0."""
+    """A plane vector as an array with the third component 0."""
     return np.array([*vector, 0.0])
 
 
@@ -138,10 +143,10 @@ def build(model: Data) -> Data:
 
 
 def follow(given: Data, course: Data) -> Data:
-    """Build a world, step through the one part of a course and return its samples.
+    """Build a world, step through the one part of a course and return its samples: times, s, and values by channel.
 
-    Accelerations and forces begin after the start. The joints, closed at first, open within some ten steps as far as
-    the steps allow. Raises ArithmeticError where Drake gives up.
+    ``given`` is the adapter's model. Accelerations and forces begin after the start. The joints, closed at first, open
+    within some ten steps as far as the steps allow. Raises ArithmeticError where Drake gives up.
     """
     (part,), ratio = course["parts"], course["ratio"]
     step = part["end"] / (ratio * part["samples"])

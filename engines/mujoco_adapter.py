@@ -68,7 +68,7 @@ class MujocoModel:
     """
 
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
-        """Arrange a scene as a tree for MuJoCo, with light blocks in slots and links for a cylinder."""
+        """Arrange a scene as a tree for MuJoCo, with light blocks in slots and light links for a cylinder."""
         share = 1e-9 if recipe.settle else 1e-2  # a block's of the lightest body; no mass may be below 1e-15
         light = max(1e-14, share * min(body.mass for body in scene.bodies))
         blocked = cylinder_as_links(slots_as_blocks(scene, light), light)
@@ -77,9 +77,9 @@ class MujocoModel:
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
 
     def loads(self, numbers: Mapping[str, int]) -> list[tuple[Any, ...]]:
-        """Forces and torques as rows: body, anchor, law, its variable and direction, frame, reaction's body.
+        """Forces and torques as rows: body, anchor, plain law, its ``over`` and ``when``, frame, reaction's body.
 
-        Bodies are ``numbers``; a torque has one component.
+        Bodies are given by their ``numbers``, anchors as complex numbers, m; a torque's law has one component.
         """
         ground = numbers[GROUND]
         forces = [
@@ -95,9 +95,10 @@ class MujocoModel:
         ]
 
     def friction(self, numbers: Mapping[str, int]) -> Iterator[tuple[Any, ...]]:
-        """Yield the joints with friction: name, friction over force, both bodies.
+        """Yield a row for each joint with friction: name, friction over force, both bodies, anchor and direction.
 
-        Anchor and direction of a guide, else 0 and None. Bodies are ``numbers``.
+        Bodies are given by their ``numbers``. A pin's ratio is a moment's, m; it has 0 and None for the last two, which
+        are complex numbers of a guide, in the frames of its body and its host.
         """
         joints = {joint.name: joint for joint in self.scene.joints}
         for rubs in self.scene.friction:
@@ -110,7 +111,7 @@ class MujocoModel:
                 yield rubs.name, rubs.coefficient, *bodies, complex(*anchor), complex(*joint.along)
 
     def as_data(self, recipe: MujocoRecipe) -> dict[str, Any]:
-        """The model in plain data: its XML, and what XML does not have."""
+        """The model as plain data by name: its XML as text, and what XML does not have."""
         scene, tree, numbers = self.scene, self.tree, body_numbers(self.scene)
         drive = scene.drive
         timed = drive.over_time if isinstance(drive, Free) else None
@@ -143,16 +144,16 @@ class MujocoModel:
         }  # fmt: skip
 
     def speed(self, branch: Branch) -> float:
-        """Start rate of a branch's hinge, rad/s, or slide, m/s."""
+        """Start rate of a branch's hinge, rad/s, against its parent, or slide, m/s."""
         if isinstance(branch.joint, SliderJoint):
             return branch.speed
         return branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
 
     def joints(self) -> dict[str, tuple[str, str, float, tuple[float, float] | None]]:
-        """Where the force on each joint's first body is read, by joint: body or equality, its name, sign, direction.
+        """Where the force on each joint's first body is read, by joint: kind, name, sign, direction.
 
-        The direction, of a force that has only one, is else None. A slot has become the pin of its block; of a driven
-        slider's force, the drive's share is along its guide.
+        The kind is "body" or "equality", the sign 1.0 or -1.0. The direction, of a force that has only one, is else
+        None. A slot has become the pin of its block; of a driven slider's force, the drive's share is along its guide.
         """
         rows: dict[str, tuple[str, str, float, tuple[float, float] | None]] = {}
         for branch in self.tree.branches:
@@ -164,7 +165,7 @@ class MujocoModel:
         return {joint.name: rows[joint.name] for joint in self.scene.joints}
 
     def xml(self, recipe: MujocoRecipe) -> Element:
-        """The scene as the root element of MuJoCo's XML."""
+        """The scene as the root element, a new one, of MuJoCo's XML."""
         scene, root = self.scene, Element("mujoco")
         SubElement(root, "compiler", angle="radian")
         option = SubElement(root, "option", gravity=_plane_text(complex(*scene.gravity)), integrator=recipe.integrator)
@@ -193,7 +194,7 @@ class MujocoModel:
         return root
 
     def add_body(self, branch: Branch, parent: Element) -> Element:
-        """Add a body with its joint to its parent's element; returns the body's element."""
+        """Add a branch's body with its hinge or slide to its parent's element; returns the body's element."""
         body, host = branch.body, self.bodies[branch.parent]
         place = cmath.rect(1.0, -host.angle) * (complex(*body.position) - complex(*host.position))
         turn, inertia = body.angle - host.angle, body.inertia or body.mass * scene_size(self.scene) ** 2
@@ -247,7 +248,7 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
         return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.mujoco_loop``; see ``LoopEngine.model``."""
+        """The scene as plain data by name for ``engines.mujoco_loop``, its XML among them."""
         return MujocoModel(scene, recipe).as_data(recipe)
 
 

@@ -28,7 +28,7 @@ class MujocoWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build MuJoCo's model from the XML; raises ArithmeticError if MuJoCo refuses it."""
+        """Build MuJoCo's model from the adapter's data, its XML; raises ArithmeticError if MuJoCo refuses it."""
         self.given = given
         try:
             self.model = model = mujoco.MjModel.from_xml_string(given["xml"])
@@ -65,7 +65,11 @@ class MujocoWorld:
         return instant, *(getattr(self.data, name).copy() for name in READ)
 
     def samples(self, rows: list[tuple[Any, ...]], channels: list[str]) -> Data:
-        """Times, s, and values by channel, from rows that ``read`` has returned; forces with friction not at rest."""
+        """Times, s, and values of these channels, by channel, from rows that ``read`` has returned.
+
+        "joint_force" has a pair for each joint. Where a joint has friction, torque and joint forces lack the samples at
+        rest.
+        """
         time, *values = map(np.array, zip(*rows, strict=True))
         found, result = dict(zip(READ, values, strict=True)), Data()
         frames = found["sensordata"].reshape(len(time), len(self.angles), len(KINEMATICS), 3)[..., :2]
@@ -104,7 +108,7 @@ class MujocoWorld:
         raise ArithmeticError("the friction of the joints grows without end, as in a linkage that locks itself")
 
     def rub(self) -> None:
-        """Set ``rubbing``, the friction of every joint that has it, N or N m, by the joints' present forces."""
+        """Set ``rubbing``, the friction of every joint that has it, N or N m, by the joints' forces computed last."""
         data = self.data
         mujoco.mj_rnePostConstraint(self.model, data)
         self.rubbing = [
@@ -115,9 +119,9 @@ class MujocoWorld:
     def control(self, segment: tuple[float, list[float]] | None) -> Callable[[Any, Any], None] | None:
         """The function that MuJoCo calls at every stage to set reference acceleration, torque and loads.
 
-        None without any. ``segment`` is the start, s, of a piece of prescribed motion and its coefficients, lowest
-        order first, None if the crank is free. The reference is ε + 2/τ (ω − q') + 1/τ² (φ − q), τ being the
-        constraints' time constant.
+        None without any. It takes MuJoCo's model and data. ``segment`` is the start, s, of a piece of prescribed motion
+        and its coefficients, lowest order first, None if the crank is free. The reference is ε + 2/τ (ω − q') +
+        1/τ² (φ − q), τ being the constraints' time constant.
         """
         data, crank, given, numbers = self.data, self.crank, self.given, self.numbers
         position, velocity, pushed = data.qpos, data.qvel, np.ix_(numbers, (0, 1, 5))
@@ -131,7 +135,7 @@ class MujocoWorld:
             reference = (angle.deriv(2) + 2.0 * rate * angle.deriv() + rate**2 * (angle - start)).coeffs.tolist()
 
         def control(_model: object, stage: Any) -> None:  # noqa: ANN401
-            """Set the drive's reference acceleration, its torque and the loads at a stage of a step."""
+            """Set the drive's reference acceleration, its torque and the loads at a stage, MuJoCo's data, of a step."""
             if segment:
                 x, value = stage.time - zero, 0.0
                 for coefficient in reference:
@@ -151,7 +155,8 @@ class MujocoWorld:
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         """Step through a part and yield its samples, start and end included, as ``read`` returns them.
 
-        ``warnings`` are MuJoCo's so far; raises ArithmeticError for any.
+        ``warnings`` are MuJoCo's so far; raises ArithmeticError for any, and for friction that grows without end. Sets
+        MuJoCo's control callback, and leaves it set.
         """
         model, data, settle = self.model, self.data, self.given["settle"]
         sample = (part["end"] - part["start"]) / part["samples"]
@@ -174,10 +179,11 @@ class MujocoWorld:
 def load_rows(
     given: Data, angle: float, state: tuple[Planar, Planar, Planar, list[float]], rubbing: list[float]
 ) -> list[list[float]]:
-    """Force x, y, N, and moment about the mass centre, N m, of loads, springs and friction on bodies and the ground.
+    """Rows of force x, y, N, and moment about the mass centre, N m, on each body and, last, the ground.
 
-    ``angle`` is φ, rad or m. The state is every body's mass centre, direction (of length one), velocity, complex, and
-    angular velocity. ``rubbing`` is the friction of every joint that has it, N or N m.
+    They are those of loads, springs and friction. ``angle`` is φ, rad or m. The state is every body's mass centre,
+    direction (of length one), velocity, complex, and angular velocity. ``rubbing`` is the friction of every joint that
+    has it, N or N m.
     """
     centre, direction, velocity, spin = state
     rows = [[0.0, 0.0, 0.0] for _ in centre]
@@ -238,7 +244,8 @@ def build(model: Data) -> MujocoWorld:
 def follow(world: MujocoWorld, course: Data) -> Data:
     """Step through all parts of a course and return its samples; at a border of parts the later part's counts.
 
-    Raises ArithmeticError where MuJoCo warns or friction grows without end.
+    They are times, s, and values by channel, and by joint under "joint_force". Raises ArithmeticError where MuJoCo
+    warns or friction grows without end.
     """
     rows: list[tuple[Any, ...]] = []
     warnings: list[str] = []

@@ -70,23 +70,27 @@ class OndselModel:
     line: tuple[int | None, complex] | None = None
 
     def add_part(self, body: Body) -> None:
-        """Add a part at a body's mass centre; its inertia out of the plane has no effect."""
+        """Add a part at a body's mass centre, and its number and angle; its inertia out of the plane has no effect."""
         inertia = float(body.mass if body.inertia is None else body.inertia)
         self.numbers[body.name], self.angles[body.name] = len(self.parts), body.angle
         pose = [float(number) for number in (*body.position, body.angle)]
         self.parts.append({"mass": float(body.mass), "inertia": inertia, "pose": pose, "markers": []})
 
     def add_marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
-        """Add a marker to a body, or to the ground, at a place in the body's frame, m; returns its path."""
+        """Add a marker to a body, or to the ground, by name, at a place in its frame, m; returns the marker's path.
+
+        ``axes`` are the marker's in the body's frame. A body that is no part counts as the ground.
+        """
         number = self.numbers.get(body)  # None is the ground
         markers = self.ground if number is None else self.parts[number]["markers"]
         markers.append(((float(place[0]), float(place[1]), 0.0), axes))
         return ("" if number is None else f"part{number}/") + f"marker{len(markers) - 1}"
 
     def add_joint(self, kind: str, first: str, second: str, *, motion: str = "") -> str:
-        """Add a joint of a ``kind`` between two markers; returns its name, also that of its force on the first marker.
+        """Add a joint of a ``kind``, in pyondsel's word, between two markers, by their paths; returns its name.
 
-        ``motion`` names a motion to prescribe in it.
+        That is also the name of its force on the first marker. ``motion`` names a motion to prescribe in it, none if
+        empty: a rotation in a "revolute" joint, else a translation.
         """
         if motion:
             self.motions.append((motion, len(self.joints), "rotational" if kind == "revolute" else "translational"))
@@ -128,7 +132,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        """The reason, in a sentence, to refuse turn dampers, except those of the crank and the ground; else None."""
+        """The reason, in a sentence, to refuse a turn damper but of a driven crank and the ground; else None."""
         if scene.driver_kind is not DriverKind.CRANK:
             return "it takes no turn damper beside a linear drive" if scene.dampers else None
         if all({damper.first, damper.second} == {scene.crank, GROUND} for damper in scene.dampers):
@@ -136,7 +140,7 @@ class OndselEngine(LoopEngine[OndselRecipe]):
         return f"it takes no turn damper but one between the crank '{scene.crank}' and the ground"
 
     def model(self, scene: Scene, recipe: OndselRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.ondsel_loop``; see ``LoopEngine.model``."""
+        """The scene as plain data by name for ``engines.ondsel_loop``."""
         given, scene, world = scene, cylinder_as_links(scene, 0.0), OndselModel()
         for body in scene.bodies:
             world.add_part(body)
@@ -186,7 +190,7 @@ def _axes_along(direction: Vector) -> Matrix:
 
 
 def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
-    """Add a driven slider, its markers' third axes along its line, which is noted; returns the joint's name."""
+    """Add a driven slider to ``world``, its markers' third axes along its line, and note the line; returns its name."""
     (x, y), turn = joint.along, world.angles[joint.host] - world.angles[joint.body]
     c, s = math.cos(turn), math.sin(turn)
     host = world.add_marker(joint.host, joint.through, _axes_along((y, -x)))
@@ -196,7 +200,7 @@ def _add_driven_slider(world: OndselModel, joint: SliderJoint) -> str:
 
 
 def _add_angle_constraint(world: OndselModel, body: str, host: str) -> None:
-    """Hold a body's angle against its host's by a joint: a direction of each stays square to the other's."""
+    """Add a joint that holds a body's angle against its host's: a direction of each stays square to the other's."""
     turn = world.angles[host] - world.angles[body]
     square = world.add_marker(body, axes=_axes_along((-math.sin(turn), math.cos(turn))))
     world.add_joint("perpendicular", world.add_marker(host, axes=_axes_along((1.0, 0.0))), square)

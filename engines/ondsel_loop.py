@@ -32,7 +32,7 @@ TIMEOUT = 3600.0  # s, of the solver's process, which pyondsel starts for every 
 
 
 def build(given: Data) -> tuple[AsmtModel, Data]:
-    """The model in its start state, together with the data it was built from."""
+    """Ondsel's model in its start state, together with the data it was built from, the adapter's."""
     model = AsmtModel(NAME, gravity=given["gravity"])
     model.ground_markers += make_markers(given["ground"])
     for number, part in enumerate(given["parts"]):
@@ -47,12 +47,12 @@ def build(given: Data) -> tuple[AsmtModel, Data]:
 
 
 def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
-    """Ondsel's markers at places, m, with axes, each a pair of these, numbered in their order."""
+    """Ondsel's markers at places (x, y, z), m, with axes, each a pair of these, named by number in their order."""
     return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
 
 
 def set_pose(part: Part, x: float, y: float, angle: float) -> None:
-    """Put a part at x, y, m, turned by an angle, rad."""
+    """Put a part's mass centre at x, y, m, and turn it to an angle, rad."""
     cosine, sine = math.cos(angle), math.sin(angle)
     part.position = (x, y, 0.0)
     part.rotation = ((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0))
@@ -61,7 +61,8 @@ def set_pose(part: Part, x: float, y: float, angle: float) -> None:
 def follow(world: tuple[AsmtModel, Data], course: Data) -> Data:
     """Solve all parts of a course and return its samples; at a border of parts the later part's counts.
 
-    The model's parts are left where the course ends.
+    They are times, s, and values by channel, and by joint under "joint_force". The model's parts are left where the
+    course ends. Raises ArithmeticError where Ondsel gives up or solves too few frames.
     """
     (model, given), parts = world, course["parts"]
     samples: Data = {name: ([], []) for name in course["channels"] if name != "joint_force"}
@@ -99,7 +100,11 @@ def append_samples(signal: tuple[list[float], list[Any]], time: Array, values: A
 
 
 def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
-    """The drive's moment, N m, or its force, N, along the direction in ``line``, at every frame, (frames,)."""
+    """The drive's moment, N m, for None, or its force, N, along a line, at every frame, (frames,).
+
+    The line is the number of the part it is fixed in, None for the ground, and its direction there, a complex number;
+    ``rows`` are Ondsel's results.
+    """
     path = f"/{NAME}/drive"
     if line is None:
         return -rows[path, "TZonI"]
@@ -110,9 +115,9 @@ def torque(line: tuple[int | None, complex] | None, rows: Rows) -> Array:
 
 
 def solve_part(model: AsmtModel, part: Data) -> Rows:
-    """Solve one part of the motion and return the rows of Ondsel's results; sets the model's motions.
+    """Solve one part of the motion and return the rows of Ondsel's results, (frames,), by path and label.
 
-    Raises ArithmeticError where Ondsel gives up or solves too few frames.
+    Sets the model's motions and simulation. Raises ArithmeticError where Ondsel gives up or solves too few frames.
     """
     zero, crank = part["segment"]
     # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
@@ -144,7 +149,10 @@ def solve_part(model: AsmtModel, part: Data) -> Rows:
 
 @contextmanager
 def temporary_folder() -> Iterator[None]:
-    """In the block, have temporary files of this process and its children in a folder that is then deleted."""
+    """In the block, have temporary files of this process and its children in a folder that is then deleted.
+
+    TMPDIR is set to it and then put back.
+    """
     before = os.environ.get("TMPDIR")
     with TemporaryDirectory() as folder:
         os.environ["TMPDIR"] = folder

@@ -77,7 +77,7 @@ class PinocchioEngine(LoopEngine[PinocchioRecipe]):
     }
 
     def model(self, scene: Scene, recipe: PinocchioRecipe) -> Mapping[str, Any]:
-        """The scene as plain data: joints by body, and ties between frames; see ``LoopEngine.model``.
+        """The scene as plain data by name for ``engines.pinocchio_loop``: joints and ties in order, and the loads.
 
         Each joint comes before the blocks that slide on it, as Pinocchio asks; the drive's tie comes first.
 

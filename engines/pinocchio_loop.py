@@ -32,7 +32,7 @@ class PinocchioWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build Pinocchio's model of joints and ties from the given data."""
+        """Build Pinocchio's model of joints and ties from the adapter's data."""
         self.given, model, numbers, ties = given, pin.Model(), {"ground": 0}, []
         model.gravity.linear = np.array([*given["gravity"], 0.0])
         for name, host, place, turn, mass, inertia, *start in given["joints"]:
@@ -67,8 +67,9 @@ class PinocchioWorld:
     def solve(self, target: list[Any], position: Array, velocity: Array) -> Any:  # noqa: ANN401
         """Joint accelerations in a state; the ties' forces are then in ``forces``.
 
-        ``target`` has the crank's frame and angular acceleration, the efforts, to which dampers are added in place, and
-        forces' couples.
+        ``target`` has the axes (2, 2) of the crank's frame, the acceleration, rad/s², that Pinocchio desires of its
+        tie, the efforts along the coordinates, to which dampers and couples are added in place, and each force's
+        couple, N m: the imaginary part of a complex number that is turned back by the body's angle.
         """
         self.axes[:], self.desired[2], efforts, couples = target
         if self.given["dampers"]:
@@ -78,7 +79,10 @@ class PinocchioWorld:
         return pin.constraintDynamics(*self.system, position, velocity, efforts, self.ties, self.solved, self.settings)
 
     def read(self, changes: Array) -> Data:
-        """Motion, torque and joint forces of the state solved last; ``changes`` are its joint accelerations."""
+        """Motion, torque and joint forces, by channel, of the state solved last; ``changes`` are its accelerations.
+
+        Forces are on the joints' first bodies, ground frame.
+        """
         position, velocity, acceleration = (values[self.columns] for values in (*self.state, changes))
         return {
             "position": position,
@@ -89,9 +93,9 @@ class PinocchioWorld:
         }
 
     def part_states(self, part: Data, ratio: int) -> Iterator[tuple[float, Data]]:
-        """Step through a part and yield each sample: time, s, and data as from ``read``.
+        """Step through a part, ``ratio`` steps to a sample, and yield each sample: time, s, and data as from ``read``.
 
-        The last state becomes the world's.
+        The world's state goes along.
         """
         steps, settle, (start, coefficients) = part["samples"] * ratio, self.given["settle"], part["segment"]
         times, step = np.linspace(part["start"], part["end"], steps + 1, retstep=True)
@@ -125,7 +129,7 @@ class PinocchioWorld:
 
 
 def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
-    """A frame of Pinocchio's at a place in the plane, m, turned by an angle, rad."""
+    """A frame of Pinocchio's, an SE3, at a place in the plane, m, turned by an angle, rad."""
     return pin.SE3(pin.utils.rotate("z", turn), np.array([*place, 0.0]))
 
 

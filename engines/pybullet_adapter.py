@@ -84,7 +84,7 @@ class PybulletEngine(LoopEngine[PybulletRecipe]):
     }
 
     def model(self, scene: Scene, recipe: PybulletRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.pybullet_loop``; see ``LoopEngine.model``."""
+        """The scene of a prescribed crank as plain data by name, arrays among them, for ``engines.pybullet_loop``."""
         assert isinstance(scene.drive, Prescribed)
         equations, numbers, motion = JointEquations(scene, unit=1.0), body_numbers(scene), scene.drive.motion
         pose, (place, rate, _) = equations.start(), start_motion(scene)

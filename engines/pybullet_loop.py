@@ -30,7 +30,7 @@ class PybulletWorld:
     """
 
     def __init__(self, given: dict[str, Any]) -> None:
-        """Start a PyBullet server of its own and build the model in it."""
+        """Start a PyBullet server of its own and build the adapter's model in it."""
         self.given, self.client, self.centred = given, pybullet.connect(pybullet.DIRECT), given["lead"] > 0
         self.setGravity(*given["gravity"], 0.0)
         place, rate = np.array(given["start"])[:, 0]
@@ -43,7 +43,7 @@ class PybulletWorld:
         self.turn = partial(self.changeConstraint, self.ties[self.drive], **UNLIMITED)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
-        """The function of PyBullet with this name, bound to this world's server."""
+        """The function of PyBullet with this name, bound to this world's server; raises AttributeError for none."""
         function = partial(getattr(pybullet, name), physicsClientId=self.client)
         setattr(self, name, function)  # bound once, not in every step
         return function
@@ -81,9 +81,9 @@ class PybulletWorld:
         return int(body)
 
     def tie(self, n: int, body: int, here: list[float], host: int, there: list[float]) -> int:
-        """Create the constraint of joint ``n`` between two bodies, or a body and a block; returns PyBullet's number.
+        """Create the constraint of joint ``n`` of a body and its host, or the host's block; returns PyBullet's number.
 
-        ``here`` and ``there`` are arms from the bodies' mass centres, m.
+        ``body`` and ``host`` are numbers in ``bodies``; ``here`` and ``there`` are arms from their mass centres, m.
         """
         kind = pybullet.JOINT_FIXED if n in self.given["fixed"] else pybullet.JOINT_POINT2POINT
         both = self.bodies[body], -1, self.bodies[host], self.links.get(n, -1)
@@ -93,7 +93,7 @@ class PybulletWorld:
         return int(tie)
 
     def advance(self, turn: list[float]) -> None:
-        """Take a step that turns the drive to an orientation, a quaternion, under the loads of the step's start."""
+        """Take a step that turns the drive to an orientation, a quaternion x, y, z, w, under the loads of its start."""
         self.turn(jointChildFrameOrientation=turn)
         for body, anchor, force in self.given["forces"]:
             place = self.getBasePositionAndOrientation(self.bodies[body])
@@ -111,7 +111,7 @@ class PybulletWorld:
         self.stepSimulation()
 
     def state(self) -> Any:  # noqa: ANN401
-        """x, y, angle and their rates of every body but the ground, (bodies, 6); the angle is within a turn."""
+        """x, y, angle and their rates of every body but the ground, (bodies, 6); the angle is from -π to π."""
         rows = []
         for body in self.bodies[:-1]:
             place, turn = self.getBasePositionAndOrientation(body)
@@ -133,7 +133,10 @@ build = PybulletWorld
 
 
 def follow(world: PybulletWorld, course: dict[str, Any]) -> dict[str, Any]:
-    """Step through the one part of a course and return its samples; the world's server is then gone."""
+    """Step through the one part of a course and return its samples; the world's server is then gone.
+
+    They are times, s, and values by channel, and by joint under "joint_force".
+    """
     (part,), ratio, given, centred, rows = course["parts"], course["ratio"], world.given, world.centred, []
     count = ratio * part["samples"]
     step, late = part["end"] / count, 0.0 if centred else 1.0

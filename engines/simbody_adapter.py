@@ -73,7 +73,7 @@ class SimbodyModel:
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Arrange a scene as a tree for Simbody; two light links stand for a cylinder."""
+        """Arrange a scene as a tree for Simbody; two light links stand for a cylinder; some body has to have a mass."""
         light = LIGHT * min(body.mass for body in scene.bodies if body.mass)
         self.scene, self.linked = scene, cylinder_as_links(scene, light)
         self.tree = tree = spanning_tree(self.linked)
@@ -84,7 +84,7 @@ class SimbodyModel:
             self.turning[branch.body.name] = self.turning[branch.parent] + ([number] if is_hinge else [])
 
     def as_data(self, recipe: SimbodyRecipe) -> dict[str, Any]:
-        """The model as plain data: bodies, cuts, springs, loads, drive and read-outs."""
+        """The model as plain data by name: bodies, cuts, springs, loads, drive and read-outs."""
         numbers = self.numbers
         return {
             "gravity": self.scene.gravity,
@@ -101,7 +101,7 @@ class SimbodyModel:
         }
 
     def body_data(self, branch: Branch) -> dict[str, Any]:
-        """A body and the joint that puts it on its parent; a slider is along the first axis of both its frames."""
+        """Data, by name, of a body and the joint on its parent; a slider is along the first axis of both its frames."""
         slides = isinstance(branch.joint, SliderJoint)
         return {
             "mass": branch.body.mass,
@@ -115,7 +115,7 @@ class SimbodyModel:
         }
 
     def cut_data(self, cut: PinJoint | SliderJoint | SlotJoint) -> dict[str, Any]:
-        """The data of a joint that closes a loop, with the body that carries both of its bodies."""
+        """The data, by name, of a joint that closes a loop, with the body that carries both of its bodies."""
         return {
             "bodies": [self.numbers[body] for body, _ in cut.ends],
             "anchors": [anchor for _, anchor in cut.ends],
@@ -139,7 +139,10 @@ class SimbodyModel:
             yield self.numbers[first], here, self.numbers[second], there, law
 
     def loads(self) -> Iterator[tuple[int, Vector, PlainLaw | dict[str, Any]]]:
-        """Yield loads as rows: body, anchor, and the plain law of a force, a torque or a free driver."""
+        """Yield loads as rows: body's number, anchor, and the plain law of a force, a torque or a free driver.
+
+        The law of a free driver's torque over time is a dictionary of ``times``, s, and ``torque``, N m.
+        """
         scene, crank = self.scene, self.numbers.get(self.scene.crank, -1)
         for force in scene.forces:
             yield self.numbers[force.body], force.anchor, plain_law(force.force)
@@ -157,9 +160,10 @@ class SimbodyModel:
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 
     def joints(self) -> dict[str, tuple[bool, int, float, Vector | None]]:
-        """Of each joint by name: whether it is a cut, its number, its force's sign and only direction, or None.
+        """Of each joint by name: whether it is a cut, its number, its force's sign and only direction.
 
-        A driven slider's force is across its guide: what is along it is the drive's.
+        The number is among the cuts or the branches, the sign 1.0 or -1.0. The direction is None but for a driven
+        slider, whose force is across its guide: what is along it is the drive's.
         """
         forces: dict[str, tuple[bool, int, float, Vector | None]] = {}
         for number, branch in enumerate(self.tree.branches):
@@ -224,7 +228,7 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
         return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
     def model(self, scene: Scene, recipe: SimbodyRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for ``engines.simbody_loop``; see ``LoopEngine.model``."""
+        """The scene as plain data by name for ``engines.simbody_loop``."""
         return SimbodyModel(scene).as_data(recipe)
 
 

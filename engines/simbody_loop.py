@@ -39,7 +39,7 @@ class SimbodyWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build OpenSim's model from the plain data of the adapter's ``model``."""
+        """Build OpenSim's model from the plain data of the adapter's ``model``; loads have no functions yet."""
         self.given, self.model = given, opensim.Model()
         self.model.setGravity(vec3(*given["gravity"]))
         self.frames = [self.model.getGround()]  # the last is body -1
@@ -70,7 +70,10 @@ class SimbodyWorld:
             self.loads.append(load.setTorqueFunctions if components(law) == 1 else load.setForceFunctions)
 
     def add_body(self, body: Data) -> None:
-        """Put a body, its frame at its mass centre, on its parent by a joint, and start its coordinate, if any."""
+        """Put a body, its frame at its mass centre, on its parent by a joint, and start its coordinate, if any.
+
+        ``body`` is the adapter's data of it, by name.
+        """
         number = len(self.joints) + 1
         frame = opensim.Body(f"body{number}", body["mass"], vec3(), opensim.Inertia(*[body["inertia"]] * 3))
         self.model.addBody(frame)
@@ -88,7 +91,7 @@ class SimbodyWorld:
         self.coordinates.append(coordinate)
 
     def add_loop_constraint(self, cut: Data) -> None:
-        """Add a constraint for a joint that closes a loop."""
+        """Add a constraint for a joint that closes a loop, of which ``cut`` is the adapter's data, by name."""
         (first, second), (on_first, on_second) = cut["bodies"], (vec3(*anchor) for anchor in cut["anchors"])
         if cut["along"] is None:
             ends = self.frames[first], on_first, self.frames[second], on_second
@@ -101,12 +104,12 @@ class SimbodyWorld:
     def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
         """The force, N, that a joint of the tree exerts on its body or, with the sign -1, on the parent.
 
-        Which sign is which depends on the joint: the adapter's data has it.
+        It is in the ground frame, of joint ``number`` of the tree, at a realised state.
         """
         return in_plane(self.joints[number].calcReactionOnParentExpressedInGround(state).get(1), sign)
 
     def cut_force(self, number: int, state: Any) -> tuple[float, float]:  # noqa: ANN401
-        """Force, N, on the first body of a cut.
+        """Force, N, ground frame, on the first body of the cut of this number, at a realised state.
 
         The constraint has its reverse, in the axes of the body that carries both.
         """
@@ -118,7 +121,7 @@ class SimbodyWorld:
         return in_plane(self.frames[cut["carrier"]].expressVectorInGround(state, taken_up), -1.0)
 
     def torque(self, state: Any) -> float:  # noqa: ANN401
-        """The drive's torque, N m, or force along its slide, N, from the driven joint's reaction."""
+        """The drive's torque, N m, or force along its slide, N, by the driven joint's reaction at a realised state."""
         number, sign, along = self.given["drive"]
         if along is None:
             reaction = self.joints[number].calcReactionOnParentExpressedInGround(state)
@@ -128,7 +131,10 @@ class SimbodyWorld:
         return float(np.dot(self.force(number, sign, state), line))
 
     def joint_forces(self, state: Any) -> list[Any]:  # noqa: ANN401
-        """Forces, N, on the first bodies of the joints, in order; of a driven slider's, the part across its guide."""
+        """Forces, N, on the joints' first bodies, in order; of a driven slider's, the part across its guide.
+
+        They are in the ground frame, at a realised state.
+        """
         forces = list[Any]()
         for is_cut, number, sign, normal in self.given["joints"].values():
             force = self.cut_force(number, state) if is_cut else self.force(number, sign, state)
@@ -136,7 +142,7 @@ class SimbodyWorld:
         return forces
 
     def kinematics(self, channel: str, state: Any) -> list[tuple[float, ...]]:  # noqa: ANN401
-        """Rows of x, y and angle of the bodies, or of their rates, by channel; angles are not wrapped."""
+        """Rows of x, y and angle, for "position", or their rates, of the bodies; angles are not wrapped."""
         rows = list[tuple[float, ...]]()
         for place, rates, angle in self.readers[channel]:
             turned = sum([rate(state) for rate in rates], angle if channel == "position" else 0.0)
@@ -151,14 +157,15 @@ class SimbodyWorld:
 
 
 def components(law: Any) -> int:  # noqa: ANN401
-    """Number of a load's components: 2 for a force, 1 for a torque."""
+    """Number of components of a load's law, as ``load_functions`` takes it: 2 for a force, 1 for a torque."""
     return len(law) if isinstance(law, list) else 1 if isinstance(law, dict) else len(law[1][0])
 
 
 def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
-    """Three functions of time for OpenSim: x and y of a force, or zeros and a torque.
+    """Three functions of time for OpenSim: x and y of a force, and zero, or zeros and a torque.
 
-    A law over φ is taken at ``angle``, the driver's coordinate at each ``time``, s, and splined between.
+    The law is a list of constants, a dictionary of ``times``, s, and ``torque``, with straight lines between, or knots,
+    cubics and a period over φ: it is then taken at ``angle``, φ at each ``time``, s, and splined between.
     """
     result = [opensim.Constant(0.0) for _ in range(3)]
     if isinstance(law, dict):

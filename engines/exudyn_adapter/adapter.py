@@ -71,7 +71,10 @@ class ExudynModel:
         self._add_drive()
 
     def as_data(self) -> dict[str, Any]:
-        """The system as plain data: items, sensors, poses and the numbers by which the loop finds them."""
+        """The system as plain data by name: items, poses and the numbers by which the loop finds them.
+
+        Adds the sensors to the items: it is for one call.
+        """
         scene = self.scene
         segments = scene.drive.motion.segments if isinstance(scene.drive, Prescribed) else ()
         states = [values[0, :-1].ravel() for values in start_motion(scene)]
@@ -96,17 +99,20 @@ class ExudynModel:
         }
 
     def _add_item(self, category: str, kind: str, data: dict[str, Any], law: tuple[str, str, Any] | None = None) -> int:
-        """Add an item to its category; returns its number there; ``law`` says what of it is a function."""
+        """Add an item to its category; returns its number there.
+
+        ``law`` says what of it is a function: "angle" (of φ), "time" or "gap", exudyn's name of the argument, its data.
+        """
         self.items.append((category, kind, data, law))
         self.counts[category] += 1
         return self.counts[category] - 1
 
     def add_sensor(self, kind: str, output: str, **data: int) -> int:
-        """Add a sensor on a node or an object; returns its number."""
+        """Add a sensor of an ``output`` on a node or an object, both as exudyn names them; returns its number."""
         return self._add_item("Sensor", kind, {**data, "outputVariableType": output, "storeInternal": True})
 
     def _add_object(self, kind: str, law: tuple[str, str, Any] | None = None, **data: Any) -> int:  # noqa: ANN401
-        """Add an object with its ``data`` as exudyn has them; returns its number."""
+        """Add an object with its ``data`` as exudyn has them; returns its number; ``law`` is as for ``_add_item``."""
         return self._add_item("Object", kind, data, law)
 
     def _add_marker(self, kind: str, **data: Any) -> int:  # noqa: ANN401
@@ -114,7 +120,7 @@ class ExudynModel:
         return self._add_item("Marker", kind, data)
 
     def _add_load(self, kind: str, marker: int, law: tuple[str, str, Any] | None = None, **data: Any) -> None:  # noqa: ANN401
-        """Add a load at a marker, with its ``data`` as exudyn has them; a ``law`` makes it vary."""
+        """Add a load at a marker, with its ``data`` as exudyn has them; a ``law``, as of any item, varies it."""
         self._add_item("Load", kind, {"markerNumber": marker, **data}, law)
 
     def _angle_marker(self, body: str) -> int:
@@ -124,7 +130,7 @@ class ExudynModel:
         return self._add_marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=ANGLE)
 
     def _point_markers(self, *ends: End) -> list[int]:
-        """Add a marker of each body's point and orientation; returns their numbers."""
+        """Add a marker for each end, a body's name and a point in its frame; returns their numbers."""
         return [
             self._add_marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
             for body, anchor in ends
@@ -151,7 +157,7 @@ class ExudynModel:
         self.joints[pin.name] = item, None
 
     def _add_line(self, joint: GuidedJoint) -> None:
-        """Add exudyn's prismatic joint and note it; a pin in a slot is one without its condition on the angle."""
+        """Add exudyn's prismatic joint and note it; a slot, a pin in it, has none of its condition on the angle."""
         turned = self.angles[joint.host] - self.angles[joint.body]
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
         item = self._add_object(
@@ -349,7 +355,7 @@ SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
 
 
 def _extrapolated_method(count: int) -> tuple[str, ExudynRecipe]:
-    """The method of ``count`` extrapolated runs: its description in a sentence, and its recipe."""
+    """The method of ``count`` extrapolated runs, 4 at most: its description in a sentence, and its recipe."""
     parts = ", 1/".join(map(str, ODD_RATIOS[:count]))
     about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
     return about, replace(TRAPEZOIDAL, ratios=ODD_RATIOS[:count], effort=1e-12)
@@ -412,6 +418,6 @@ class ExudynEngine(LoopEngine[ExudynRecipe]):
     studied = STUDIED
 
     def model(self, scene: Scene, recipe: ExudynRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for exudyn's loop; see ``LoopEngine.model``."""
+        """The scene and the solver's settings as plain data by name for exudyn's loop."""
         settings = {"settings": recipe.solver_settings(), "static_settings": STATIC_SETTINGS}
         return ExudynModel(scene).as_data() | settings | {"as_shipped": recipe.as_shipped}

@@ -35,7 +35,7 @@ LARGEST_CHANGE = 1e-2
 
 
 def polynomial(coefficients: Sequence[float], x: Any, order: int = 0) -> Any:  # noqa: ANN401 - exudyn has symbols too
-    """Value, or derivative of an ``order``, of a polynomial at ``x``, coefficients of the lowest power first."""
+    """Value, or derivative of an ``order``, of a polynomial at a number or symbol, coefficients lowest power first."""
     for _ in range(order):
         coefficients = [power * each for power, each in enumerate(coefficients)][1:] or [0.0]
     return reduce(lambda total, each: total * x + each, coefficients[-2::-1], coefficients[-1] + 0.0 * x)
@@ -75,7 +75,7 @@ class LinearDriver:
         return self.span(np.concatenate(places).tolist())[0]
 
     def functions(self) -> Data:
-        """The arguments that hold functions of exudyn's object: the constraint, on either level, and its Jacobian."""
+        """The arguments, by name, of exudyn's object: the constraint, on either level, its Jacobian, and no scaling."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
             """The error of φ, m, or of its rate, m/s, at time ``t``, in the form that exudyn calls."""
@@ -97,7 +97,7 @@ class ExudynWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build exudyn's system from the items of a model and assemble it."""
+        """Build exudyn's system from the items of the adapter's data; it is not assembled yet."""
         self.given, self.container = given, exudyn.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.begin = 0.0  # the time at which exudyn's is 0, s
@@ -122,7 +122,11 @@ class ExudynWorld:
         return float(polynomial(coefficients, time - start, order))
 
     def function(self, law: tuple[str, str, Any]) -> Data:
-        """The arguments of an item that hold its user function: over time, over φ, or of a linear driver."""
+        """The arguments, by name, of an item that hold its user functions.
+
+        The law is "angle", with a load's plain law over φ, "time", with a free driver's constant, table over time or
+        None, and direction, or "gap", a linear driver's; with exudyn's name of the argument between.
+        """
         by, name, values = law
         if by == "gap":
             return self.linear.functions()
@@ -150,7 +154,7 @@ class ExudynWorld:
         return float(self.given["start"] + turned)
 
     def unwind(self, position: Array) -> Array:
-        """Coordinates without the whole turns of their angles, which are noted in ``unwound``.
+        """A copy of the coordinates without the whole turns of their angles, which are added to ``unwound``.
 
         On position level accelerations and forces carry the rounding of angles and times over the square of the step,
         which would grow with them: 2e-5 of the torque's peak after 300 turns.
@@ -213,7 +217,10 @@ def build(given: Data) -> ExudynWorld:
 
 
 def set_initial(world: ExudynWorld, *state: Array) -> None:
-    """Set coordinates and, where given, their first and second time derivatives as the start of the next solve."""
+    """Set coordinates and, where given, their first and second time derivatives as the start of the next solve.
+
+    Each is one array of all bodies' x, y and angle in turn.
+    """
     data, initial = world.mbs.systemData, exudyn.ConfigurationType.Initial
     setters = (data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt)
     for setter, values in zip(setters, state, strict=False):
@@ -223,7 +230,8 @@ def set_initial(world: ExudynWorld, *state: Array) -> None:
 def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> tuple[Array, ...] | None:
     """Coordinates and two time derivatives at the start of a part that fit the joints; None if far from ``reached``.
 
-    None, too, where the static solver finds none. The drive is left held.
+    ``reached`` is the state in which the part before ended. None, too, where the static solver finds none. The drive is
+    left held.
     """
     zero, coefficients = part["segment"]
     angle, speed, second = (float(polynomial(coefficients, part["start"] - zero, order)) for order in range(3))
@@ -245,7 +253,7 @@ def closed_state(world: ExudynWorld, part: Data, reached: tuple[Array, ...]) -> 
 
 
 def simulation_settings(values: Data) -> Any:  # noqa: ANN401
-    """A new object of exudyn's settings from their values by dotted name."""
+    """A new object of exudyn's simulation settings, as shipped but for the values given by dotted name."""
     settings = exudyn.SimulationSettings()
     for path, value in values.items():
         *groups, name = path.split(".")
@@ -285,7 +293,10 @@ def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None
 
 
 def solve(world: ExudynWorld, part: Data, course: Data) -> None:
-    """Step through a part; raises ArithmeticError if exudyn stops or leaves what is no number."""
+    """Step through a part; raises ArithmeticError if exudyn stops or leaves velocities that are not finite.
+
+    Samples stay in exudyn's sensors.
+    """
     mbs, solver, duration = world.mbs, exudyn.MainSolverImplicitSecondOrder(), part["end"] - part["start"]
     times = {"timeIntegration.endTime": duration, "timeIntegration.numberOfSteps": part["samples"] * course["ratio"]}
     times["solution.sensors.writePeriod"] = duration / part["samples"]
@@ -301,7 +312,7 @@ def solve(world: ExudynWorld, part: Data, course: Data) -> None:
 
 
 def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tuple[str, str | None, Array, Array]]:
-    """Yield the samples of the latest solve that are exudyn's own: channel, joint, times, s, and values.
+    """Yield the samples of the latest solve that are exudyn's own: channel, joint or None, times, s, and values.
 
     Of the state it started from they are only the run's first. The multipliers belong to a step, not to a state: loads
     have no sample at the start. Nor have accelerations where those of the scene were given to start from. Both have
@@ -331,7 +342,11 @@ def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tupl
 
 
 def follow(world: ExudynWorld, course: Data) -> Data:
-    """Step through all parts of a course and return its samples by channel, SI or own units; the system is released."""
+    """Step through all parts of a course and return its samples: times, s, and values by channel, SI or own units.
+
+    Forces by joint are under "joint_force". The system is released. Adds to the course's ``details``. Raises
+    ArithmeticError if exudyn stops or a state is not finite.
+    """
     signals: dict[tuple[str, str | None], list[tuple[Array, Array]]] = {}
     parts, prints = course["parts"], exudyn.config.printToConsole
     exudyn.config.printToConsole = False

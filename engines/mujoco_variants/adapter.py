@@ -34,7 +34,7 @@ MJX_UNSEEN = (
 
 
 def expected(mutants: Iterable[str]) -> dict[str, str]:
-    """The checks of the conformance test for these mutants, by name, each with the reason why it fails."""
+    """The names of the conformance test's checks for these mutants, each with the reason why it is expected to fail."""
     return {f"mutant: {name}": "it changes less than this engine's error" for name in mutants}
 
 
@@ -56,7 +56,7 @@ class ClockedModel(MujocoModel):
     """The model with a clock, a body whose hinge the driven joint follows."""
 
     def xml(self, recipe: MujocoRecipe) -> Element:
-        """MuJoCo's XML with a clock: a heavy body whose angle the crank follows by an equality."""
+        """MuJoCo's XML with a clock: a heavy body whose angle the driven joint follows by an equality."""
         root = super().xml(recipe)
         inertia = HEAVY * sum(body.mass for body in self.scene.bodies) * scene_size(self.scene) ** 2
         clock = SubElement(next(root.iter("worldbody")), "body", name="/clock")
@@ -95,7 +95,7 @@ class MjxEngine(MujocoEngine):
     }
 
     def model(self, scene: Scene, recipe: MujocoRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for the loop of a variant, with its precision; see ``LoopEngine.model``."""
+        """The scene as plain data by name for the loop of a variant, with its precision, and steps to a sample."""
         assert isinstance(recipe, VariantRecipe)
         model = ClockedModel(scene, recipe).as_data(recipe)
         return {**model, "precision": recipe.precision, "ratio": recipe.ratios[0]}

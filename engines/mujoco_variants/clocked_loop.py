@@ -33,14 +33,14 @@ class ClockedWorld(MujocoWorld, ABC):
 
     @abstractmethod
     def advance(self, motion: Array) -> None:
-        """Take a step for each row, the clock's angle, rad, speed and torque, N m; then fill C MuJoCo's data."""
+        """Take a step for each row, the clock's angle, rad, speed and torque, N m, and fill C MuJoCo's data."""
 
     @abstractmethod
     def compute(self, settled: bool) -> None:
-        """Copy the state named in ``SET`` from C MuJoCo; if ``settled``, compute its forces and copy them back."""
+        """Copy the state named in ``SET`` from C MuJoCo; if ``settled``, compute its forces and fill C's data."""
 
     def fill(self, values: Data, forces: Array) -> None:
-        """Copy ``values`` by name, and the constraints' forces in C MuJoCo's order, into C MuJoCo's data."""
+        """Copy the ``values`` named in READ, and the constraints' forces in C MuJoCo's order, into C MuJoCo's data."""
         for name in READ[:-1]:
             getattr(self.data, name)[:] = values[name]
         self.data.efc_force[:] = forces
@@ -48,7 +48,7 @@ class ClockedWorld(MujocoWorld, ABC):
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         """Step through a part and yield its samples as ``read`` returns them; ``warnings`` are left alone.
 
-        Names the device in the course's ``details``.
+        Names the device in the course's ``details`` once all samples are taken.
         """
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)

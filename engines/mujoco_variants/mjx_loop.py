@@ -13,7 +13,10 @@ __all__ = ["build", "follow"]
 
 
 def after_steps(model: mjx.Model, state: mjx.Data, motion: jax.Array) -> mjx.Data:
-    """The state after one step by each row of ``motion``: the clock's angle, rad, speed, rad/s, and torque, N m."""
+    """The state after one step by each row of ``motion``: the clock's angle, rad, speed, rad/s, and torque, N m.
+
+    The state that is given stays as it is.
+    """
 
     def step(state: mjx.Data, row: jax.Array) -> tuple[mjx.Data, None]:
         """Set the clock by a row of its motion and take one step, in the form of ``jax.lax.scan``: the state and None.
@@ -38,7 +41,11 @@ class MjxWorld(ClockedWorld):
     compiled = ""  # the precision of what JAX holds compiled
 
     def __init__(self, given: Data) -> None:
-        """Put the model and the start state on JAX's device and compile the step."""
+        """Put the model and the start state on JAX's device and compile the step.
+
+        JAX's caches are cleared where the precision is another than the last world's. Raises ArithmeticError if MuJoCo
+        refuses the model.
+        """
         super().__init__(given)
         if MjxWorld.compiled not in ("", given["precision"]):
             jax.clear_caches()  # JAX 0.10 mixes constants of both up in what it has traced
@@ -73,7 +80,10 @@ class MjxWorld(ClockedWorld):
         self.fill(values, np.roll(values["efc_force"], 1))
 
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
-        """Step through a part in the model's precision and yield its samples as ``read`` returns them."""
+        """Step through a part in the model's precision and yield its samples as ``read`` returns them.
+
+        ``warnings`` are left alone.
+        """
         with jax.enable_x64(self.given["precision"] == "f64"):
             yield from super().states(part, course, warnings)
 

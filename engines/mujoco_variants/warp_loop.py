@@ -13,7 +13,10 @@ class WarpWorld(ClockedWorld):
     """A world of MuJoCo Warp, whose kernels are compiled before its first step."""
 
     def __init__(self, given: Data) -> None:
-        """Put the model and the start state on Warp's device and compile the step by taking one."""
+        """Put the model and the start state on Warp's device and compile the step by taking one on a copy.
+
+        Raises ArithmeticError if MuJoCo refuses the model.
+        """
         super().__init__(given)
         self.device = warp.get_preferred_device().name
         self.begin()
@@ -25,13 +28,16 @@ class WarpWorld(ClockedWorld):
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:
-        """Hand C MuJoCo's model, with its present step, to Warp, to be settled at every stage if requested."""
+        """Hand C MuJoCo's model, with its present step, to Warp.
+
+        If the recipe settles, constraints are made anew at every stage.
+        """
         self.other = mujoco_warp.put_model(self.model)
         if self.given["settle"]:  # else J'q' is that of the stage before, and Runge-Kutta's method of first order
             self.other.callback.control = mujoco_warp.make_constraint
 
     def advance(self, motion: Array) -> None:
-        """Take a step of Warp for each row of the clock's motion, angle, speed and torque.
+        """Take a step of Warp for each row of the clock's motion: angle, rad, speed, rad/s, and torque, N m.
 
         Then fill C MuJoCo's data.
         """

@@ -38,7 +38,10 @@ BEHIND: Final = 4.0  # of the reach: how far behind a slider's line its far end 
 
 
 def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, Any]:
-    """The data of pymunk's space for a scene's layout, except the solver's iterations; ``centred`` as in the recipe."""
+    """The data, by name, of pymunk's space for a scene's layout, except what follows from the solver's iterations.
+
+    ``centred`` is as in the recipe.
+    """
     parts, size = layout.scene, reach(scene)
     numbers = {GROUND: -1, **{body.name: number for number, body in enumerate(parts.bodies)}}
     _, speed, gain = (float(value[0]) for value in driven(scene, *start_motion(scene)))
@@ -81,10 +84,10 @@ def space_data(scene: Scene, layout: PartLayout, *, centred: bool) -> dict[str, 
 
 
 def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]:
-    """The drive's data: its motion, or its torque over time; ``line`` has the ends of a linear driver.
+    """The drive's data by name: its motion, or its torque over time; ``line`` has the ends of a linear driver.
 
-    ``numbers`` are the bodies', ``size`` is the scene's reach, m. A slider's far end is a point of the ground on its
-    own line, behind all that it can reach: ``base`` farther than its travel.
+    ``scene`` has the parts; ``numbers`` are theirs, ``size`` is the scene's reach, m. A slider's far end is a point of
+    the ground on its own line, behind all that it can reach: ``base`` farther than its travel.
     """
     drive, line, base = scene.drive, None, 0.0
     if scene.driver_kind is not DriverKind.CRANK:
@@ -147,7 +150,7 @@ LARGEST_REMAINDER = 0.3
 
 
 def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
-    """Iterations a step, ``FEWEST`` to ``MOST``, for a share ``remaining`` of an impulse's change.
+    """Iterations a step, ``FEWEST`` to ``MOST``, that leave a share ``remaining`` of an impulse's change wrong.
 
     Above ``ENOUGH`` iterations only ``LARGEST_REMAINDER`` is aimed at. A crank that turns fully has them at ``POSES``
     even angles, each enough for its neighbours, too; any other driver has one number, that of the pose that converges
@@ -166,7 +169,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
 def driver_travel(scene: Scene) -> float:
     """Signed distance from the driver's start to its farther side, rad or m; of a crank a full turn at most.
 
-    A free one is taken to make a full turn.
+    A free driver, linear or not, has 2π.
     """
     if isinstance(scene.drive, Free):
         return FULL_TURN
@@ -175,7 +178,10 @@ def driver_travel(scene: Scene) -> float:
 
 
 def poses_of(equations: JointEquations) -> list[Pose]:
-    """The poses of the parts along the motion, that of the start first, up to the first where joints do not close."""
+    """The poses, one instant each, of the parts along the driver's travel, that of the start first.
+
+    They are POSES + 1, or end before the first at which joints do not close.
+    """
     pose = equations.start()
     start = equations.driver.value(pose)
     poses = [pose]
@@ -302,7 +308,10 @@ class PymunkEngine(LoopEngine[PymunkRecipe]):
     }
 
     def model(self, scene: Scene, recipe: PymunkRecipe) -> Mapping[str, Any]:
-        """The scene as plain data for pymunk's loop; raises UnsupportedError unless it has one degree of freedom."""
+        """The scene as plain data by name for pymunk's loop.
+
+        Raises UnsupportedError where its joints, by count, do not leave one degree of freedom.
+        """
         layout = exact_layout(scene) if recipe.centred else plain_layout(scene)
         if layout.freedom != 1:
             raise UnsupportedError(

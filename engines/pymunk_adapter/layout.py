@@ -72,12 +72,12 @@ class PartLayout:
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom by count of the joints, without the free turning of parts without inertia."""
+        """Degrees of freedom by count of the joints, drive left out, without the turning of parts without inertia."""
         coordinates = sum(2 if part.inertia is None else 3 for part in self.parts)
         return coordinates - 2 * len(self.scene.pins) - len(self.scene.guided) - len(self.gears)
 
     def tangent(self, scene: Scene) -> tuple[list[Vector], list[float]]:
-        """Velocities of all parts, m, and spins, rad, per unit of the driver's, at the start of the uncut ``scene``."""
+        """Velocities of all parts, m, and spins, rad, per rad or m of φ, at the start of the uncut ``scene``."""
         position, rate, second = start_motion(scene)
         _, speed, gain = (float(value[0]) for value in driven(scene, position, rate, second))
         # Whatever starts from rest sets off along its acceleration.
@@ -88,7 +88,10 @@ class PartLayout:
 
 
 def split_point_mass(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
-    """Cut a point mass off at ``point``; returns the rest, with half the inertia or more, and the point mass."""
+    """Cut a point mass off a part with an inertia; returns the rest, with half the inertia or more, and the mass.
+
+    ``point`` is from the owner's mass centre, in its frame, m.
+    """
     assert part.inertia is not None
     away = _minus(part.offset, point)
     moment = part.mass * (away[0] ** 2 + away[1] ** 2)
@@ -102,7 +105,8 @@ def split_point_mass(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]
 def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyPart, BodyPart | None]:
     """A body with an inertia as two parts with its moments about a pivot: one there, and a point mass.
 
-    The part at the pivot has the mass ``resting``; the point is None for a body that is balanced about the pivot.
+    ``pivot`` is from the owner's mass centre, in its frame, m. The part there has the mass ``resting``, kg; the point
+    is None for a body that is balanced about the pivot.
     """
     assert part.inertia is not None
     away = _minus(part.offset, pivot)
@@ -116,7 +120,10 @@ def split_on_pivot(part: BodyPart, pivot: Vector, resting: float) -> tuple[BodyP
 
 
 def split_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
-    """Cut off a part that can turn, a rail, with its centre at ``centre``; returns the rest and the rail."""
+    """Cut a part that can turn, a rail, off a part with an inertia; returns the rest and the rail.
+
+    ``centre``, the rail's, is from the owner's mass centre, in its frame, m.
+    """
     assert part.inertia is not None
     share = part.inertia / 4.0
     rest, point = split_point_mass(replace(part, inertia=part.inertia - share), centre)
@@ -129,7 +136,10 @@ def plain_layout(scene: Scene) -> PartLayout:
 
 
 def exact_layout(scene: Scene) -> PartLayout:
-    """The layout of the scene cut into parts so that every groove is exact."""
+    """The layout of the scene cut into parts so that every groove is exact.
+
+    Bodies pinned to the ground rest on their pivots, which springs hang up if there is gravity.
+    """
     parts, shoes, rails = _uncut_parts(scene), dict[str, str](), dict[str, str]()
     lifts, resting = list[PointSpring](), RESTING * sum(body.mass for body in scene.bodies)
     gravity, height = math.hypot(*scene.gravity), reach(scene)
@@ -160,7 +170,7 @@ def exact_layout(scene: Scene) -> PartLayout:
 
 
 def _uncut_parts(scene: Scene) -> dict[str, BodyPart]:
-    """One part for every body, by its name."""
+    """One part for every body, by its name; without inertia where the body cannot turn."""
     return {
         body.name: BodyPart(body.name, body.mass, body.inertia if scene.can_turn(body) else None)
         for body in scene.bodies
@@ -177,16 +187,16 @@ def _layout_of_parts(
     """
 
     def place(name: str, anchor: Vector) -> Vector:
-        """A point of a body, or of the ground, from the mass centre of the body's part."""
+        """A point of a body or part, or of the ground, from the centre of the part of that name, m."""
         return anchor if name == GROUND else _minus(anchor, parts[name].offset)
 
     def fastened(joint: Fastened) -> Fastened:
-        """A pin, spring or damper with its anchors from the parts' own centres."""
+        """A copy of a pin, spring or cylinder with its anchors from the parts' own centres."""
         first, second = (place(*end) for end in joint.ends)
         return replace(joint, first_anchor=first, second_anchor=second)
 
     def grooved(joint: Groove) -> Groove:
-        """A slider or slot between the parts that stand for its bodies: their shoe and rail, if any."""
+        """A copy of a slider or slot between the parts that stand for its bodies: their shoe and rail, if any."""
         body, host = shoes.get(joint.name, joint.body), rails.get(joint.name, joint.host)
         anchor, through = place(body, joint.anchor), place(host, joint.through)
         return replace(joint, body=body, anchor=anchor, host=host, through=through)
@@ -240,7 +250,7 @@ def _foot(joint: SliderJoint | SlotJoint, centre: Vector) -> Vector:
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
-    """Difference of two vectors."""
+    """The vector from ``b`` to ``a``."""
     return (a[0] - b[0], a[1] - b[1])
 
 

@@ -44,7 +44,7 @@ def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:
 
 
 def is_steady_torque(law: Any) -> bool:  # noqa: ANN401
-    """Whether a load's law is a torque that does not change."""
+    """Whether a load's law, in plain data, is a torque that does not change: a list of one number."""
     return isinstance(law, list) and len(law) == 1
 
 
@@ -77,7 +77,7 @@ class PymunkWorld:
     """
 
     def __init__(self, given: Data) -> None:
-        """Build pymunk's space from the given data."""
+        """Build pymunk's space from the adapter's data."""
         self.given, self.space = given, pymunk.Space()
         self.counts = given["iterations"] or [self.space.iterations]
         self.space.gravity = given["gravity"]
@@ -111,7 +111,7 @@ class PymunkWorld:
             self.loads += [self.dashpot(spring) for spring in springs if spring.damping]
 
     def drive(self) -> Any:  # noqa: ANN401
-        """Create the constraint that prescribes the driver, a motor or a pin joint, and return it."""
+        """Create and return the constraint that prescribes the driver, a motor or a pin joint, not yet in the space."""
         if self.line is None:
             return pymunk.SimpleMotor(self.space.static_body, self.crank, 0.0)
         (first, here), (second, there) = self.line.ends
@@ -134,11 +134,15 @@ class PymunkWorld:
         return int(self.counts[round(travelled / self.given["apart"]) % len(self.counts)])
 
     def load(self, number: int, anchor: Point, law: Any) -> Load:  # noqa: ANN401
-        """A function that adds a force at an anchor, or a torque, of a ``law`` over φ or constant, before each step."""
+        """A function that adds a force at an anchor, m, or a torque to the body of this number for the next step.
+
+        It takes the seconds from now at which φ and the anchor are taken. ``law`` is plain data: a list of two
+        components, N, ground frame, or one, N m, or knots, cubics and a period over φ.
+        """
         body = self.ends[number]
 
         def add(ahead: float) -> None:
-            """Add the load to its body for the next step, with φ ``ahead`` seconds from now."""
+            """Add the load to its body for the next step, as it is ``ahead`` seconds from now."""
             values = law_values(law, self.travel(ahead))
             if len(values) == 1:
                 body.torque += values[0]
@@ -162,7 +166,11 @@ class PymunkWorld:
         return motor
 
     def driver_load(self, times: Array) -> Load:
-        """A function that adds the load on a free driver, and any offset, before each step, at these times, s."""
+        """A function that adds the load on a free driver, N m or N, and any offset, for the next step.
+
+        Each call takes the value at the next of ``times`` (n,), s, n calls at most; it is given the seconds from now at
+        which a line's direction is taken.
+        """
         torque, over_time = self.given["push"]
         crank, line = self.crank, self.line
         values = np.full(len(times), torque + self.given["offset"])
@@ -180,7 +188,10 @@ class PymunkWorld:
         return add
 
     def damper(self, first: pymunk.Body, second: pymunk.Body, coefficient: float) -> Load:
-        """A function that adds a damper's torque, N m, to two bodies before each step; ``coefficient`` is in N m s."""
+        """A function, to be called before each step, that adds a damper's torque, N m, to two bodies for that step.
+
+        Either body may be the ground; ``coefficient`` is in N m s. Its argument, seconds, is not used.
+        """
         last = None
         # An assignment to a body's attribute takes twice as long as its property's own setter.
         turning, torque_of = pymunk.Body.angular_velocity.fget, pymunk.Body.torque.fget
@@ -202,7 +213,10 @@ class PymunkWorld:
         return add
 
     def dashpot(self, spring: pymunk.DampedSpring) -> Load:
-        """A function that adds a spring's damping before each step, to second order; the spring itself loses it."""
+        """A function, to be called before each step, that adds a spring's damping for it, to second order.
+
+        It takes the step, s. The spring's own ``damping`` is set to 0.
+        """
         line, damping = Line(spring.a, spring.b, spring.anchor_a, spring.anchor_b), spring.damping
         spring.damping = 0.0
         lengths: list[float] = []
@@ -223,7 +237,8 @@ def driver_speeds(
 ) -> Array:
     """Speed of the driver in each of ``count`` steps, rad/s or m/s; zeros for a free one.
 
-    It is the mean over the step by Gauss's quadrature, or a newcomer's: that at the step's start.
+    It is the mean over the step, ``step`` s long, or a newcomer's, not ``centred``: that at the step's start. A motion
+    is pairs of a start, s, and coefficients, lowest power first.
     """
     if motion is None:
         return np.zeros(count)
@@ -239,9 +254,10 @@ def build(model: Data) -> PymunkWorld:
 
 
 def follow(world: PymunkWorld, course: Data) -> Data:
-    """Step through the one part of a course and return its samples.
+    """Step through the one part of a course and return its samples: times, s, and values by channel.
 
-    Adds to the course's ``details``.
+    Forces by joint are under "joint_force", sizes alone, N. Adds the iterations to the course's ``details``. Raises
+    ArithmeticError where the driver's position is not finite.
     """
     given, channels, ratio, (part,) = world.given, course["channels"], course["ratio"], course["parts"]
     centred, samples = given["centred"], ratio * np.arange(part["samples"] + 1)
@@ -269,7 +285,10 @@ def follow(world: PymunkWorld, course: Data) -> Data:
         result["torque"] = times, given["offset"] - torque if centred else torque
 
     def state(steps: Any, ahead: float = 0.0, rates_of: Any = None) -> tuple[Array, Array]:  # noqa: ANN401
-        """Positions and velocities of mass centres after these steps; ``rates_of`` names other steps for the rates."""
+        """Positions and velocities, ``ahead`` s later, of mass centres after these steps.
+
+        ``rates_of`` names other steps for the rates.
+        """
         of, rate = (np.searchsorted(looks, each) for each in (steps, steps if rates_of is None else rates_of))
         return centre_motion(given["offsets"], seen[of, :, 0], seen[rate, :, 1], ahead)
 
@@ -286,7 +305,10 @@ def follow(world: PymunkWorld, course: Data) -> Data:
 
 
 def is_smooth(times: Array, kinks: list[tuple[float, float]], spacing: float) -> Any:  # noqa: ANN401 - booleans
-    """Which of the times (n,), s, are far enough, in samples of a ``spacing``, s, from every kink."""
+    """Which of the times (n,), s, are far enough from every kink, as truth values (n,).
+
+    A kink is its time, s, and how many samples, ``spacing`` s apart, are far enough.
+    """
     smooth = np.ones(len(times), dtype=bool)
     for kink, apart in kinks:
         smooth &= np.abs(times - kink) >= (apart - CLOCK_ROUNDING) * spacing
@@ -300,7 +322,8 @@ def take_steps(
 
     Returns x, y, θ and their rates, (looks, parts, 2, 3), impulses, (loaded, constraints), and iterations, (samples,).
     A motor's rate is that of the step to come: it sets the velocity with which the next step moves the bodies. Of a
-    linear drive it is the distance of its ends after that step.
+    linear drive it is the distance of its ends after that step. ``rates`` has the driver's speed in every step and one
+    more. Raises ArithmeticError where the driver's position is not finite.
     """
     space, motor, given = world.space, world.motor, world.given
     if world.line is None:
@@ -335,7 +358,7 @@ def take_steps(
 
 
 def body_states(space: pymunk.Space) -> bytes:
-    """Places, m, angles, rad, and velocities of all bodies, as bytes of doubles."""
+    """Places, m, angles, rad, and velocities of all bodies, the static one last, as bytes of six doubles each."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())
