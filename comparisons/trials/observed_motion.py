@@ -45,12 +45,12 @@ class ObservedMotion:
 
     @cached_property
     def numbers(self) -> dict[str, int]:
-        """The index of every body in the arrays, by its name."""
+        """The index of every body in the arrays, by its name, the ground's too."""
         return body_numbers(self.scene)
 
     @cached_property
     def masses(self) -> Array:
-        """Weights of (x, y, θ) for every body: mass, mass, inertia, kg and kg m², (bodies, 3)."""
+        """Weights of (x, y, θ) for every body: mass, mass, inertia, kg and kg m², (bodies, 3); 0 for the ground."""
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
@@ -118,7 +118,10 @@ class ObservedMotion:
         return () if isinstance(drive, Free) else drive.motion.jumps
 
     def bodies(self, channel: Channel, time: Array) -> Array:
-        """Position, velocity or acceleration of every body at times (n,), s, the ground last: (n, bodies, 3)."""
+        """Position, velocity or acceleration of every body at times (n,), s, the ground last: (n, bodies, 3).
+
+        Of a body they are x and y of its mass centre, m, and its angle, rad, or these per s or s².
+        """
         return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
 
     def pose(self, time: Array) -> Pose:

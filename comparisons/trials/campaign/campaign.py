@@ -98,7 +98,8 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 def each_case(request: CampaignRequest) -> Iterator[Case]:
     """Yield every linkage under every requested motion, then in its own requested regimes.
 
-    Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
+    Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion, StructureError
+    for one that is no driver followed by Assur groups.
     """
     own = [regime for linkage in request.linkages for regime in linkage.regimes if regime.name in request.own_regimes]
     if not request.motions and not own:
@@ -131,7 +132,7 @@ def compare(
     made here, unbounded. ``finished`` runs are not repeated, and every further one is stored among them. ``todo`` are
     the request's ``tasks`` where they are known.
 
-    What ``tasks`` raises is raised at once, before the first run.
+    What ``tasks`` raises is raised at once, before the first run; LinkproofError where no worker can start.
     """
     todo = todo or tasks(request)
     where = pool or LocalPool(usual_processes(len(todo)))
@@ -207,7 +208,7 @@ def compared(
 def _without_motion(
     run: RunRecord, quantities: Iterable[Quantity], outcome: Outcome | Failure, reason: str
 ) -> RunRecord:
-    """A copy of the run with outcome and reason in a row for each quantity, since it gave no motion."""
+    """A copy of the run with outcome and reason in a row for each quantity, since it gave no motion; no other row."""
     blank = run.blank._replace(outcome=Verdict(outcome.value).value, detail=reason)
     return replace(run, errors=tuple(blank._replace(quantity=q.name, unit=q.unit) for q in quantities))
 

@@ -30,7 +30,7 @@ RESULTS: Final = "results"
 
 
 class LinkageRow(TypedDict):
-    """A linkage as it was described, under a gravity, m/s²."""
+    """A linkage as it was described, the ``text`` of its file, under a gravity, m/s²."""
 
     name: str
     variant: str
@@ -39,7 +39,10 @@ class LinkageRow(TypedDict):
 
 
 class MotionRow(TypedDict):
-    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad.
+
+    A segment is start, end, and coefficients of the time since the start, lowest order first.
+    """
 
     regime: str
     segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
@@ -186,7 +189,7 @@ class CampaignResults:
 
     @cached_property
     def figures(self) -> tuple[Error, ...]:
-        """Key figures of the closed form, as Error records whose ``error_max`` is the value."""
+        """Key figures of the closed form, as Error records of ``CLOSED_FORM`` whose ``error_max`` is the value, SI."""
         return tuple(
             Error(
                 **{name: row[name] for name in NAMES[:4]}, engine=CLOSED_FORM, setting="", quantity=row["figure"],
@@ -266,12 +269,15 @@ def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Ch
 
 
 def checksum(text: str) -> str:
-    """A checksum of a linkage file's text, 16 hexadecimal digits."""
+    """The first 16 hexadecimal digits of the SHA-256 of a linkage file's text."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, Any]:
-    """A copy of the document with its runs added: a row per quantity and invariant, and details by run."""
+    """A copy of the document with its runs added: a row per quantity and invariant, and details by run.
+
+    They are under "records", "invariants" and "details", whose keys are those of the runs.
+    """
     records = list(runs)
     return {
         **table,

@@ -58,7 +58,10 @@ def key_figures(case: Case) -> dict[str, float]:
 
 
 def _description_figures(case: Case) -> Iterator[tuple[str, float]]:
-    """Yield figures of the description, SI, that may change while no signal does, each with its name."""
+    """Yield name and value, SI, of figures of the description that may change while no signal does.
+
+    They are the output's point and direction and the thread's length, those that the linkage has.
+    """
     linkage, start = case.mechanism.linkage, case.start()
     if linkage.output is not None:
         place = start.point(linkage.output.point)
@@ -120,7 +123,7 @@ def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Call
     settings = settings - {Setting.NAIVE} or settings
 
     def is_asked(row: Error) -> bool:
-        """Whether the request asks for this row."""
+        """Whether the request asks for this row; ``every_variant`` is the outer function's."""
         if (row.regime, _without_gravity(row.conditions)) not in motions and row.regime not in request.own_regimes:
             return False
         is_variant = variants.get(row.mechanism, row.variant) == row.variant

@@ -143,7 +143,7 @@ def check_identity(trial: EngineTrial) -> None:
 def check_installed(trial: EngineTrial) -> None:
     """Raise AssertionError unless the engine finishes the plain sample, on which all other checks rest.
 
-    Raises NotTestedError where it is not installed.
+    Raises NotTestedError where it is not installed, AdapterError where the adapter raises.
     """
     trial.finished_history(PLAIN, trial.setting)
 
@@ -358,7 +358,10 @@ def examine(pickled: bytes, name: str) -> CheckResult:
 
 @lru_cache(maxsize=1)
 def _unpickle_trial(engine: bytes) -> EngineTrial:
-    """The trial of a worker's engine, the same object for all jobs, so that they share its runs."""
+    """The trial of a worker's engine, the same object for all jobs with this pickle, so that they share its runs.
+
+    Only the last one is kept.
+    """
     return EngineTrial(pickle.loads(engine))
 
 

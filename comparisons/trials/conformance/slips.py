@@ -111,7 +111,7 @@ def _misread_vector(right: Reading) -> Iterator[tuple[str, Array]]:
 
 
 def _factor_words(factor: float) -> str:
-    """A factor in words: the slip that it is known for, else its value."""
+    """A factor in words: the slip that it is known for, else "it is F times as large"."""
     known = (words for value, words in FACTORS.items() if abs(factor - value) <= FACTOR_ERROR * abs(value))
     return next(known, f"it is {factor:.5g} times as large")
 
@@ -177,9 +177,10 @@ SAME: Final = 1e-7  # of a signal's peak, a hundredth of the tightest limit: run
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault: ``wrong(trial)`` is the history of an engine that has it, in a sample and a setting; None without one.
+    """One fault: ``wrong(trial)`` is the history of an engine that has it, in a sample and a setting.
 
-    It raises NotTestedError where the fault cannot be planted. Where a ``row`` is named, that row has to see it.
+    It is None where the engine gives up, and raises NotTestedError where the fault cannot be planted. Where a ``row``
+    is named, a quantity or invariant, that row has to see it.
     """
 
     name: str
@@ -189,9 +190,10 @@ class Mutant:
     row: str = ""
 
     def check(self, trial: EngineTrial) -> None:
-        """Raise AssertionError unless the fault fails a row that the engine itself passes.
+        """Raise AssertionError unless the fault fails a row that the engine itself passes, the ``row`` if one is named.
 
-        Raises NotTestedError where the fault cannot be planted or its row is not judged.
+        A run that gives up shows the fault, too. Raises NotTestedError where the fault cannot be planted or its row is
+        not judged.
         """
         right, wrong = trial.rows(self.sample, self.setting), self.wrong(trial)
         if self.row and self.row not in right:
@@ -267,7 +269,7 @@ def _with_velocity(body: Body, kept: float, step: float) -> Body:
 
 
 def _is_same(history: History, other: History) -> bool:
-    """Whether two histories have the same values, to SAME of every signal's peak."""
+    """Whether two histories of the same signals have the same values, to SAME of every signal's peak."""
     pairs = zip(history.signals.values(), other.signals.values(), strict=True)
     return all(
         a.values.shape == b.values.shape and np.all(np.abs(a.values - b.values) <= SAME * np.max(np.abs(a.values)))
@@ -339,7 +341,7 @@ SLIPS: Final[Mapping[str, tuple[str, Callable[[Signal], Array]]]] = {
 
 
 def _mutants() -> Iterator[Mutant]:
-    """Yield every deliberate fault of an engine that the checks have to find."""
+    """Yield every deliberate fault of an engine that the checks have to find, once."""
     for words, (sample, changes, row) in WORLD.items():
         wrong = replace(SAMPLES[sample], **changes)
         yield Mutant(f"{sample}: {words}", partial(_in_sample, sample, wrong), sample, row=row)

@@ -38,8 +38,8 @@ FAST: Final = 1000.0 * RPM  # at which the samples turn that do not start at res
 class Sample:
     """A variant of a linkage's file under one motion of its crank, in the file's own regime if it has one.
 
-    ``at_speed``: the crank starts at FAST and keeps it for a turn, while the other links accelerate from the first
-    instant on.
+    ``start`` is the crank angle, degrees. ``released``: the crank is free under a torque. ``at_speed``: the crank
+    starts at FAST and keeps it for a turn, while the other links accelerate from the first instant on.
     """
 
     linkage: str
@@ -188,9 +188,10 @@ class EngineTrial:
         return self._runs[sample, setting]
 
     def finished_history(self, sample: str, setting: Setting = Setting.TUNED) -> History:
-        """The history of a sample's run, which has to finish.
+        """The history of a sample's run, which has to finish; the run is made once and kept.
 
-        Raises NotTestedError where sample, setting or engine are not available, AssertionError for any other end.
+        Raises NotTestedError where sample, setting or engine are not available, AssertionError for any other end,
+        AdapterError where the adapter raises.
         """
         reason = self.obstacle(sample)
         if reason is None and setting not in self.engine.abilities.settings:

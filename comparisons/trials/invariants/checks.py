@@ -309,7 +309,7 @@ def _samples(inspection: Inspection, channel: Channel = Channel.POSITION) -> int
 
 
 def _joint_gap(case: Case, inspection: Inspection) -> Found:
-    """The largest opening of any joint, m, its scale, m, and its number of samples."""
+    """The largest opening of any joint, m, its scale, the linkage's shortest length, m, and its number of samples."""
     return joint_gaps(inspection.motion), case.mechanism.linkage.shortest_length(), _samples(inspection)
 
 
@@ -488,7 +488,8 @@ def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Err
 def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
     """The record of a balance over its scale, the ``blank`` record's peak: what is gained, or its error estimate.
 
-    A gain over the limit by more than its error bound fails; one over the limit by less is undefined.
+    A gain over the limit by more than its error bound fails; one over the limit by less is undefined, and so is one
+    without an error estimate.
     """
 
     def check(values: Array) -> Error:
@@ -511,5 +512,5 @@ def _judge_balance(case: Case, blank: Error, balance: Balance) -> Error:
 
 
 def _undefined(record: Error, reason: str) -> Error:
-    """A copy of a record with the outcome undefined, for a reason in words."""
+    """A copy of a record with the outcome undefined, for a reason in words, its ``detail``."""
     return record._replace(outcome=Verdict.UNDEFINED.value, detail=reason)

@@ -164,7 +164,10 @@ class Corrected:
         return self._corrections[order]
 
     def corrected(self, order: int) -> Array:
-        """Position, velocity or acceleration (order 0, 1, 2) that fits joints and drive, (instants, bodies, 3)."""
+        """Position, velocity or acceleration (order 0, 1, 2) that fits joints and drive, (instants, bodies, 3).
+
+        It is in units and rad, or these per s or s².
+        """
         return self.observed(order) + self.correction(order)
 
     @cached_property
@@ -180,7 +183,7 @@ class Corrected:
         return pose, self.equations.arms(pose)
 
     def _rates(self, order: int) -> Reals:
-        """The residual rates (instants, equations) of observed velocities or accelerations: G q̇ or G q̈."""
+        """The residual rates (instants, equations) of observed velocities, G q̇, or accelerations, G q̈."""
         jacobian = self.equations.jacobian(self._corrected_pose[1])
         return np.asarray(np.einsum("nrc,nc->nr", jacobian, self.equations.gather(self.observed(order))))
 
@@ -200,9 +203,9 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """φ, its speed or acceleration (order 0, 1, 2), rad or units, that the drive prescribes, (instants,).
+        """φ, its speed or acceleration (order 0, 1, 2), that the drive prescribes, (instants,), in rad or units.
 
-        Of a released driver it is the driver's own.
+        Of a released driver it is the driver's own, as observed.
         """
         drive = self.equations.scene.drive
         scale = self.equations.driver.scale
@@ -237,7 +240,10 @@ class Corrected:
 
     @cached_property
     def reactions(self) -> Array:
-        """Multipliers λ of the corrected state, N, (instants, equations), moments over the equations' unit."""
+        """Multipliers λ of the corrected state, N, (instants, equations), moments over the equations' unit.
+
+        They are nan in a dead position.
+        """
         equations = self.equations
         velocity, acceleration = (self.corrected(order) * equations.metres for order in (1, 2))
         loads = applied_loads(equations.scene, self._corrected_pose[0].scaled(equations.unit), velocity)
@@ -307,7 +313,10 @@ MOST_DECAY = 0.5  # of a relaxation time: within so long a step the ends' slopes
 
 
 def accumulate_errors(start: float, shares: Array, added: Array) -> Array:
-    """An error whose steps leave ``shares`` of it and add more: y₀ = ``start``, yₙ₊₁ = shareₙ yₙ + addedₙ, (n + 1,)."""
+    """An error whose steps leave ``shares`` of it and add more: y₀ = ``start``, yₙ₊₁ = shareₙ yₙ + addedₙ, (n + 1,).
+
+    ``shares`` and ``added`` are (n,).
+    """
     if np.all(shares == 1.0):
         return start + np.concatenate([[0.0], np.cumsum(added)])
     result, value = [start], start
@@ -407,7 +416,10 @@ class Inspection:
 
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:
-        """The findings by the bytes of each clock, up to the highest derivative that has this clock."""
+        """The findings by the bytes of each clock of a position, velocity or acceleration.
+
+        They go up to the highest derivative that has this clock.
+        """
         recorded = list(takewhile(self.motion.has, LEVELS))
         clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(recorded)}
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
@@ -422,7 +434,8 @@ class Inspection:
     def corrections(self) -> dict[str, Signal]:
         """The largest correction of any body, by level, that fits it to the joints and a prescribed crank, over time.
 
-        Displacements over the scene's size, turns in rad; of velocities and accelerations over their peak in the run.
+        Keys are "position", "velocity" and "acceleration". Displacements over the scene's size, turns in rad; of
+        velocities and accelerations over their peak in the run. All three must have been recorded.
         """
         result = {}
         for order, channel in enumerate(LEVELS):
@@ -432,7 +445,10 @@ class Inspection:
         return result
 
     def assembly_mode(self) -> Signal:
-        """How deep any group is in the wrong assembly mode, over its largest determinant, at the positions' times."""
+        """How deep any group is in the wrong assembly mode, over its largest determinant, at the positions' times.
+
+        It is 0 in the right one.
+        """
         result = self.on(Channel.POSITION)
         depth = np.maximum(-result.determinants * self._start_modes() * self._mode_signs(result.time), 0.0)
         return Signal(result.time, np.max(depth / np.max(np.abs(result.determinants), axis=0), axis=1))
@@ -536,7 +552,10 @@ class Inspection:
         return np.asarray(result)
 
     def relaxation_rate(self, time: Array) -> Array:
-        """Rate, 1/s, (n,), at which dampers take an error of the speed: half their power over kinetic energy."""
+        """Rate, 1/s, (n,), at which dampers take an error of the speed: half their power over kinetic energy.
+
+        ``time`` (n,) is in s. Beside standstill it is interpolated; without dampers, or motion, it is 0.
+        """
         power = self.motion.dissipation(time)
         if not power.any():
             return power
@@ -547,10 +566,10 @@ class Inspection:
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
     def _undersampled_intervals(self, time: Array) -> Iterator[tuple[float, float]]:
-        """Yield start and end, s, of intervals with too few samples.
+        """Yield start and end, s, of intervals with too few samples, in no order; they may overlap.
 
         Near dead positions a determinant changes too much from one sample to the next; pieces of the prescribed motion
-        may have too few instants of ``time``.
+        may have too few instants of ``time`` (n,), s.
         """
         result = self.on(Channel.POSITION)
         size = np.abs(result.determinants)

@@ -105,7 +105,7 @@ def _place_of_row(row: Error) -> Place:
 
 
 class ChangeKind(StrEnum):
-    """What has become of a row. All but one fail."""
+    """What has become of a row. All but APPEARED fail."""
 
     FAILING = "newly failing"
     GROWN = "grown threefold"

@@ -99,7 +99,7 @@ class LimitTable:
 
     @property
     def as_dict(self) -> list[dict[str, Any]]:
-        """The rows as a file of limits has them, JSON-ready; ``table_from_rows`` reads them back."""
+        """The rows as a file of limits has them, a list, JSON-ready; ``table_from_rows`` reads them back."""
         return [
             {**{name: sorted(getattr(row, name)) for name in LISTS}, "value": row.value, "reason": row.reason}
             for row in self.rows
@@ -107,7 +107,7 @@ class LimitTable:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Every quantity that has a limit, sorted."""
+        """Every quantity that has a limit, without joints' names, sorted."""
         return tuple(sorted({name for row in self.rows for name in row.quantities}))
 
 
@@ -198,7 +198,10 @@ def deciding(records: Sequence[Error]) -> Sequence[Error]:
 
 
 def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
-    """The second members of pairs in lists by their first members, both in the order of the pairs."""
+    """The second members of pairs in lists by their first members, both in the order of the pairs.
+
+    First members must be hashable.
+    """
     groups: dict[K, list[V]] = {}
     for key, entry in pairs:
         groups.setdefault(key, []).append(entry)

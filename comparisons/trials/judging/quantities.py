@@ -91,7 +91,7 @@ class Quantity:
         return self.zero if motion.last_turn is None else ""
 
     def undefined(self, case: Case) -> str:
-        """The reason why the closed form has no value of it in a case; "" if it has."""
+        """The reason why the closed form has no value of it in a case, by its value at the start; "" if it has."""
         try:
             self.reference(case, np.zeros(1))
         except LinkproofError as error:
@@ -140,7 +140,7 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
     """S, m, on the clock of the positions: displacement of the output, positive away from its farthest place.
 
     That place is the engine's own where its motion shows it, in a full turn, or anywhere if the crank cannot make one;
-    else the closed form's.
+    else the closed form's. Raises LinkproofError without an output.
     """
     place = _output_signal(Channel.POSITION, 0, case, motion)
     turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
@@ -403,7 +403,10 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Err
 
 
 def _error_at_jumps(case: Case, quantity: Quantity, time: Array, errors: Array) -> float:
-    """The largest of the ``errors`` (n,), SI, of samples at an acceleration jump beyond the size of that jump."""
+    """The largest of the ``errors`` (n,), SI, of samples at an acceleration jump beyond the size of that jump.
+
+    ``time`` (n,), s, are the samples'. It is 0 without such samples, or of a quantity that does not jump.
+    """
     jumps = case.motion.jumps if quantity.holds_acceleration else ()
     beside = [near_jump(time, case.motion, jump) for jump in jumps]
     if not np.any(beside):
@@ -431,10 +434,7 @@ def _magnitudes(values: Array) -> Array:
 
 
 def _sample_times(quantity: Quantity, motion: ObservedMotion) -> Array:
-    """Times, s, of the engine's samples of a quantity, those that are left out included.
-
-    Of forces the first joint's.
-    """
+    """Times, s, of the engine's samples of a quantity, those left out included; of forces the first joint's."""
     if quantity.clock is Channel.JOINT_FORCE:
         return next(iter(motion.history.joint_force.values())).time
     return motion.signal(quantity.clock).time

@@ -128,7 +128,7 @@ class RunRecord:
 
     @property
     def key(self) -> str:
-        """The name of the run as one text."""
+        """The name of the run as one text, its parts joined by "/"."""
         return "/".join(self.run)
 
     @property
@@ -138,7 +138,7 @@ class RunRecord:
 
     @property
     def blank(self) -> Error:
-        """An Error record of the run with nothing filled in but its names."""
+        """An Error record of the run with nothing filled in but its names; its outcome is "passed"."""
         return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
@@ -162,7 +162,7 @@ class RunRecord:
 
     @property
     def data(self) -> dict[str, Any]:
-        """The run without its curves, JSON-ready; its errors without the columns that repeat the run's."""
+        """The run without its curves, JSON-ready, by column; its errors without the columns that repeat the run's."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "curves"}
         parts = {part: [dict(zip(ERRORS, row[len(NAMES) :], strict=True)) for row in own[part]] for part in PARTS}
         return {**own, **parts, "details": dict(self.details)}

@@ -60,7 +60,7 @@ class Reading:
         return np.asarray(values[:, self.body_number(name)] if channel in LEVELS else values.reshape(len(time), -1))
 
     def body_number(self, body: str) -> int:
-        """The index of a body in the scene's arrays; raises ValueError for another."""
+        """The index of a body, named, in the scene's arrays; raises ValueError for another, the ground's too."""
         return [each.name for each in self.scene.bodies].index(body)
 
     @property
@@ -72,7 +72,7 @@ class Reading:
 
     @property
     def words(self) -> str:
-        """The name of the signal in words."""
+        """The name of the signal in words, such as "angular velocity of body 'crank'"."""
         if self.channel not in LEVELS:
             return signal_words(self.channel, self.name)
         kind = "" if self.channel is Channel.POSITION else self.channel.value
@@ -100,7 +100,7 @@ def true_history(case: Case, scene: Scene, history: History) -> History:
     bodies = [body.name for body in scene.bodies]
 
     def right(channel: Channel, joint: str, signal: Signal) -> Signal:
-        """The closed form of a channel, or of a joint's force, at a signal's times."""
+        """The closed form of a channel, or of a joint's force, at a signal's times; ``joint`` is "" for a channel."""
         parts = [channel_truth(case, channel, n, signal.time) for n in (bodies if channel in LEVELS else [joint])]
         values = np.stack(parts, axis=1)
         if channel is Channel.POSITION:
@@ -129,7 +129,7 @@ class SignalError:
 
     @property
     def scale_words(self) -> str:
-        """The words for the scale that an error is a share of, to follow its number."""
+        """The words for the scale that an error is a share of, to follow its number, such as "of the peak"."""
         if self.read.channel is not Channel.POSITION:
             return "of the peak"
         return "rad" if self.read.columns == ANGLE else "of the linkage's size"
@@ -182,7 +182,10 @@ def signal_errors(
     strongest = max((peak for (channel, *_), peak in peaks.items() if channel is Channel.JOINT_FORCE), default=0.0)
 
     def scale(true: Reading) -> float:
-        """The size, SI, that errors of a signal are a share of: a peak, the scene's size, or 1 rad."""
+        """The size, SI, that errors of a signal are a share of: a peak, the scene's size, or 1 rad; 1 instead of 0.
+
+        A faint joint force has a share of the strongest one's peak.
+        """
         if true.channel is Channel.POSITION:
             return 1.0 if true.columns == ANGLE else scene_size(scene)
         least = FAINT_FORCE * strongest if true.channel is Channel.JOINT_FORCE else 0.0
@@ -192,13 +195,13 @@ def signal_errors(
 
 
 def _peak_group(reading: Reading) -> tuple[Channel, str, int]:
-    """The key of signals that share a peak: all bodies' places, all angles, or one joint's force."""
+    """The key of signals that share a peak: of a channel all bodies' places, all angles, or one joint's force."""
     is_force = reading.channel is Channel.JOINT_FORCE
     return (reading.channel, reading.name if is_force else "", reading.columns.start)
 
 
 def _counted(case: Case, reading: Reading) -> Booleans:
-    """Which samples (n,) have an error: all of positions and velocities; of others not those at jumps."""
+    """Which samples (n,) have an error: all of positions and velocities; of others not those at jumps, of loads too."""
     if reading.channel in (Channel.POSITION, Channel.VELOCITY):
         return np.ones(len(reading.time), dtype=bool)
     return ~has_two_values(case, reading.time)

@@ -47,7 +47,7 @@ class DaskPool:
             left, numbers, ended = enumerate(jobs), {}, _as_completed(client)
 
             def submit() -> None:
-                """Submit the next of the jobs left, if there is one, and note its number."""
+                """Call ``begun`` for the next of the jobs left, if there is one, submit it, and note its number."""
                 for number, job in left:
                     begun(number)
                     future = client.submit(_isolated, function, job, bounds, key=f"linkproof-{uuid4().hex}")

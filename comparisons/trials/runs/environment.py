@@ -35,7 +35,7 @@ def environment(engines: Sequence[str] = ()) -> dict[str, str]:
 
 
 def _processor() -> str:
-    """The processor's name as the system tells it; "unknown processor" where it does not."""
+    """The processor's name as the system tells it, by Linux or by Python; "unknown processor" where neither does."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

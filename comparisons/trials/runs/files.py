@@ -130,7 +130,7 @@ def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> N
 
 
 def _final_path(path: Path) -> Path:
-    """The file to write once links are followed.
+    """The file to write once links are followed, which may not exist yet.
 
     Raises LinkproofError if it is something else or may not be written.
     """
@@ -149,5 +149,5 @@ def _final_path(path: Path) -> Path:
 
 
 def _write_error(path: Path, why: str | None = "expected a file in a folder that can be written") -> LinkproofError:
-    """The LinkproofError for a path that cannot be written, with the reason ``why``."""
+    """The LinkproofError for a path that cannot be written, with the reason ``why``, to raise."""
     return LinkproofError(f"cannot write '{path}': {why}; give another place")

@@ -97,7 +97,8 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
 def lost(error: BaseException, memory: int) -> Lost:
     """The Lost record for a job that raised ``error`` within a memory bound, bytes.
 
-    Writes the traceback to the terminal if the environment asks for it.
+    MemoryError and SystemExit are CRASHED, an AdapterError is ADAPTER_ERROR, all others are SUITE_ERROR. Writes the
+    traceback of the last two kinds to the terminal if the environment has ``SHOW_OUTPUT``.
     """
     if isinstance(error, MemoryError):
         return Lost(Failure.CRASHED, f"needed more than {memory / GIB:.3g} GiB of memory")
@@ -198,7 +199,10 @@ def checked(run: Run, model: Scene, name: str) -> Run:
 
 
 def _unusable(signal: Signal, drive: Drive) -> str:
-    """Why a signal of a run cannot be judged, in words that follow its name; "" if it can."""
+    """Why a signal of a run cannot be judged, in words that follow its name; "" if it can.
+
+    It has too few samples, values that are not finite or too large, or a ``gap``.
+    """
     if len(signal.time) < POINTS:
         return f"has {len(signal.time)} samples, too few to read between"
     small = (np.abs(signal.values) < _LARGEST).reshape(len(signal.time), -1).all(axis=1)
@@ -211,7 +215,7 @@ def _unusable(signal: Signal, drive: Drive) -> str:
 
 
 def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
-    """Yield every signal that a scene requests, after its name; None if the history lacks it."""
+    """Yield every signal that a scene requests, after its name in words; None for one that the history lacks."""
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
     if Channel.JOINT_FORCE in model.channels:
@@ -244,7 +248,10 @@ def _contract_faults(run: object, model: Scene) -> Iterator[str]:
 
 
 def _history_faults(history: object, model: Scene) -> Iterator[str]:
-    """Yield violations of the contract by a finished run's history, as "expected, got" phrases."""
+    """Yield violations of the contract by a finished run's history, as "expected, got" phrases.
+
+    A signal that it lacks is none.
+    """
     if type(history) is not History or not isinstance(history.joint_force, Mapping):
         yield f"a History of a run that finished, got {_shown_value(history)}"
         return
@@ -289,9 +296,9 @@ def _shown_value(value: object) -> str:
 def gap(time: Array, drive: Drive) -> str:
     """The first place, in words, where samples at these times (n,), s, leave out several of their steps; "" without.
 
-    Before the first and behind the last sample counts too. The own step is the median of those before or of those
-    after, the larger one: it may change from one part of a motion to the next. Between samples a gap also turns a
-    prescribed driver further than long steps do.
+    The words are "from T to T s" and the own step. Before the first and behind the last sample counts too. The own step
+    is the median of those before or of those after, the larger one: it may change from one part of a motion to the
+    next. Between samples a gap also turns a prescribed driver further than long steps do.
     """
     borders = _part_borders(drive)
     instants = np.concatenate([borders[:1], time, borders[-1:]])

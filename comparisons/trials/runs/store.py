@@ -135,15 +135,15 @@ class Runs:
         self._numbers[key] = number
 
     def read(self, key: str) -> tuple[dict[str, Any], Mapping[str, Curve]]:
-        """The row and the curves of a run; raises KeyError.
+        """The row and the curves of a run, by its key; raises KeyError for another.
 
-        Of the row ``errors`` and ``invariants`` are lists of tuples of values, in the order of ``ERRORS``. A curve is
-        read from the file when it is asked for.
+        Of the row ``errors`` and ``invariants`` are lists of tuples of values, in the order of ``ERRORS``. A curve, by
+        its quantity, is read from the file when it is asked for.
         """
         return next(self._read("id", self._numbers[key]))
 
     def every(self) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
-        """Yield row and curves of every run as ``read`` has them, in one pass over the file."""
+        """Yield row and curves of every run as ``read`` has them, in the order of adding, in one pass over the file."""
         return self._read("study", self.study)
 
     def _read(self, column: str, number: int) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
@@ -167,13 +167,13 @@ class Runs:
 
 @dataclass(frozen=True)
 class _Curves(Mapping[str, Curve]):
-    """The curves of a run, left in their file."""
+    """The curves of a run by quantity, left in their file."""
 
     connection: sqlite3.Connection
     run: int
 
     def __getitem__(self, name: str) -> Curve:
-        """The curve of a quantity, read from the file; raises KeyError without one."""
+        """The curve of a quantity, (4, samples), single precision, read from the file; raises KeyError without one."""
         query = f"SELECT {', '.join(CURVE)} FROM curves WHERE run = ? AND name = ?"
         blobs = self.connection.execute(query, (self.run, name)).fetchone()
         if blobs is None:
@@ -194,7 +194,7 @@ _BEGUN: weakref.WeakValueDictionary[Path, Runs] = weakref.WeakValueDictionary() 
 
 
 def temporary_runs() -> Runs:
-    """Runs in a file without a name, deleted when the process ends."""
+    """An empty store of runs in a file without a name, deleted when the process ends."""
     import sqlite3  # noqa: PLC0415
 
     connection = sqlite3.connect("", isolation_level=None)
@@ -392,7 +392,7 @@ def _open(folder: Path, *, to_write: bool = False) -> sqlite3.Connection:
 
 
 def _make_tables(connection: sqlite3.Connection) -> None:
-    """Create the tables in an empty file, in one transaction."""
+    """Create the tables in an empty file, in one transaction, and set its format."""
     connection.execute(f"PRAGMA page_size = {PAGE}")
     connection.execute("PRAGMA auto_vacuum = FULL")
     with _transaction(connection):
@@ -427,7 +427,7 @@ def _check_values(connection: sqlite3.Connection, folder: Path, kind: str = "") 
 
 @contextmanager
 def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    """Write everything that the block does or, if it raises, nothing."""
+    """Write everything that the block does to the file or, if it raises, nothing; the exception passes."""
     with connection:
         connection.execute("BEGIN IMMEDIATE")
         yield

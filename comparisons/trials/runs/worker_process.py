@@ -41,7 +41,7 @@ CONSTS.sleep_unit = 0.02  # s, after which pebble looks again for a worker that 
 
 
 def start_method() -> str:
-    """The name of multiprocessing's way to start workers: by a server that forks in 5 ms, or spawned anew.
+    """The name of multiprocessing's way to start workers: "forkserver", which forks in 5 ms, or "spawn".
 
     On Windows, which has no such server, and on macOS, whose libraries may not be forked, every worker is spawned and
     imports anew. ``START`` in the environment overrules it.
@@ -87,7 +87,7 @@ def _main_module_hidden() -> Iterator[None]:
 
 
 def _output_to(path: str) -> contextlib.AbstractContextManager[None]:
-    """In the block, append the process' output to a file at ``path``, unless the environment asks to see it."""
+    """In the block, append the process' output to a file at ``path``, unless ``SHOW_OUTPUT`` is in the environment."""
     return contextlib.nullcontext() if os.environ.get(SHOW_OUTPUT) else silenced(path)
 
 
@@ -158,7 +158,7 @@ class _Process:
         return _CLEAN_EXIT if code == 0 else code
 
     def end(self) -> str:
-        """How the process has ended, in words, after at most 2 s of waiting for it."""
+        """How the process has ended, in words such as "exited with code 1", after at most 2 s of waiting for it."""
         self._process.join(_EXIT_TIMEOUT)
         code: int | None = self._process.exitcode
         if code is None:
@@ -195,7 +195,10 @@ class Worker:
         return bool(self.pool.active)
 
     def begin(self, job: tuple[int, bytes, bytes, RunBounds]) -> Future[bytes]:
-        """Send a job to the worker, and keep it as ``job``; returns the future of its pickled result."""
+        """Send a job to the worker, and keep it as ``job``; returns the future of its pickled result.
+
+        It runs within the job's bounds.
+        """
         self.job, (_, function, arguments, bounds) = job, job
         return self.pool.schedule(
             _run_job, (function, arguments, bounds.memory, str(self.output)), timeout=bounds.seconds
@@ -269,7 +272,7 @@ def _prepare(output: str) -> None:
 
 
 def _end_with(sentinel: int) -> None:
-    """Block until the parent dies, then kill this worker and all processes that it started."""
+    """Block until the parent dies, by its ``sentinel``, then kill this worker and all processes that it started."""
     wait([sentinel])
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)
@@ -293,7 +296,7 @@ def _run_job(function: bytes, job: bytes, memory: int, output: str) -> bytes:
 
 @functools.cache
 def _unpickled_function(function: bytes) -> Callable[..., object]:
-    """The unpickled function, the same object for all jobs, so that it can cache."""
+    """The unpickled ``function``, the same object for all jobs of this process, so that it can cache."""
     loaded: Callable[..., object] = pickle.loads(function)
     return loaded
 

@@ -27,7 +27,7 @@ _PULSE: Final = 1.0  # s, after which a Ctrl-C is noticed where it does not inte
 
 
 def most_processes() -> int:
-    """The number of cores; 0 where this Python has no processes, as in a browser."""
+    """The number of cores that this process may use; 0 where this Python has no processes, as in a browser."""
     try:
         import multiprocessing.synchronize  # noqa: F401, PLC0415
     except ImportError:
@@ -126,9 +126,9 @@ class LocalPool:
         self._busy[worker.begin(job)] = worker
 
     def _ended(self, module: str, begun: Begun) -> Iterator[tuple[int, Any]]:
-        """Wait for results, up to _PULSE, and yield them.
+        """Wait for results, up to _PULSE, and yield them, each after its job's index.
 
-        A job whose used worker died is begun once more in a new one.
+        A job whose used worker died is begun once more in a new one, which needs the ``module``.
         """
         wait(self._busy, _PULSE, FIRST_COMPLETED)
         for future, worker in list(self._busy.items()):
@@ -229,7 +229,11 @@ class TaskList(Generic[R]):
         return [task for key, task in by_key.items() if key not in self._runs]
 
     def make(self, tasks: Iterable[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
-        """Make the tasks without a result, begun in their order; stores each result and yields each task as it ends."""
+        """Make the tasks without a result, begun in their order; stores each result and yields each task as it ends.
+
+        Each has its ``bounds``. Nothing is made before the first is asked for, and closing the generator ends the rest.
+        Raises LinkproofError where no worker can start.
+        """
         todo = self.expect(tasks)
 
         def begun(number: int) -> None:
@@ -251,7 +255,7 @@ class TaskList(Generic[R]):
         """Make those tasks that have no result yet; returns the results of all, in their order.
 
         Several processes begin with the heaviest, so that it does not run alone at the end. Raises KeyError where a
-        task was lost and counts as never begun.
+        task was lost and counts as never begun, LinkproofError where no worker can start.
         """
         begun = tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight)
         for _ in self.make(begun, bounds):

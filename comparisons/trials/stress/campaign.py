@@ -76,7 +76,7 @@ class Border(NamedTuple):
 
     @property
     def document(self) -> dict[str, Any]:
-        """The border as JSON-ready data."""
+        """The border as JSON-ready data: its line, its three values, the verdict outside, and both cells' commands."""
         place = dict(zip(("axis", "row", "engine", "usage"), self.inside.line, strict=True))
         values = {"inside": self.inside.value, "outside": self.outside.value, "value": self.middle}
         commands = {"inside_command": self.inside.command, "outside_command": self.outside.command}
@@ -242,5 +242,5 @@ def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool) ->
 
 
 def _cell_seconds(cell: Cell, *, quick: bool) -> float:
-    """The time limit of a cell, s, by its axis and whether the map is quick."""
+    """The time limit of a cell, s: its axis' or, in a quick map, QUICK_SECONDS where this is less."""
     return min(axes()[cell.axis].seconds, QUICK_SECONDS if quick else math.inf)

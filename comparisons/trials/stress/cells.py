@@ -318,7 +318,7 @@ class Axis:
     common: Mapping[str, Any] = field(default_factory=dict)  # to all rows
 
     def row(self, label: str) -> Conditions:
-        """The row with this label; raises UnknownNameError."""
+        """The row with this label; raises UnknownNameError for another."""
         rows = {row.label: row for row in self.rows}
         if label not in rows:
             raise UnknownNameError(f"row of axis '{self.name}'", label, rows)
@@ -343,7 +343,7 @@ class Axis:
 
 @cache
 def axes() -> Mapping[str, Axis]:
-    """Every axis by its name, in the table's order."""
+    """Every axis by its name, in the table's order, read once; raises ValueError for a wrong table."""
     found = [{**axis, "rows": [axis.get("common", {}) | row for row in axis["rows"]]} for axis in tables()["axis"]]
     return {axis.name: axis for axis in TypeAdapter(tuple[Axis, ...]).validate_python(found)}
 

@@ -46,7 +46,7 @@ _WARM: set[str] = set()  # the engines this process has run
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
-    """The step, s, of which ``steps_per_turn`` make a turn at the crank's peak speed."""
+    """The step, s, of which ``steps_per_turn`` make a turn at the crank's peak speed, for a case."""
     return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
 
 
@@ -71,8 +71,9 @@ def measure(
 ) -> BenchRun:
     """Make the ``blank`` run of a pickled case once, by a setting or by a method at its step: a copy with the result.
 
-    ``with_errors`` adds the errors of ``quantities``. Raises AdapterError for every exception of the adapter but
-    MemoryError.
+    The engine is warmed up before, and the calls inside a setting's run are clocked in a run of their own.
+    ``with_errors`` adds the errors of ``quantities``, by name. Raises AdapterError for every exception of the adapter
+    but MemoryError.
     """
     case, adapter = unpickle_case(pickled), engine(blank.engine)
     families = chosen_families(case, quantities)
@@ -155,7 +156,7 @@ def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
     """Run an engine that this process has not run before, at a ``step``, s, so that it has imported all that it needs.
 
-    Its exceptions are ignored: the measured run need not raise them.
+    Later calls for this engine do nothing. Its exceptions are ignored: the measured run need not raise them.
     """
     if adapter.name in _WARM:
         return
@@ -354,7 +355,8 @@ class PointSweep:
 class BenchRequest:
     """The request of a benchmark; no ``methods`` means all of them.
 
-    The ``pool`` makes one run at a time on a machine. ``command`` repeats it.
+    ``engines``, ``quantities`` and ``methods`` are names. The ``pool`` makes one run at a time on a machine.
+    ``command`` repeats it.
     """
 
     cases: tuple[Case, ...]
@@ -436,7 +438,7 @@ class Rounds:
             )
 
     def _point_task(self, number: int, sweep: PointSweep, point: BenchRun) -> Task:
-        """The task that measures a point in a round; only round 0 computes errors."""
+        """The task that measures a point of a sweep in a round; only round 0 computes errors."""
         job = (self.pickled[sweep.case], sweep.usage, point, self.request.quantities, number == 0)
         steps = "" if point.steps_per_turn is None else f", {point.steps_per_turn:g} steps a turn"
         label = f"round {number + 1}: {point.mechanism}, {point.regime}, {point.engine} {point.setting}{steps}"
@@ -445,12 +447,12 @@ class Rounds:
     def _lost_point(self, lost: Lost, _: bytes, __: object, blank: BenchRun, *___: object) -> BenchRun | None:
         """The record of a run without a result; None if the benchmark's own deadline ended it.
 
-        Its arguments are the loss and those of ``measure``.
+        Its arguments are the loss and those of ``measure``, of which ``blank`` alone counts.
         """
         return None if self.seconds_left() <= 0.0 else replace(blank, outcome=lost.outcome.value, detail=lost.reason)
 
     def seconds_left(self) -> float:
-        """Time until the deadline, s."""
+        """Time until the deadline, s; negative after it."""
         return self.ends - time.monotonic()
 
 
@@ -526,7 +528,10 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
 
 
 def _sweeps(request: BenchRequest) -> Iterator[PointSweep]:
-    """Yield all sweeps of the request; an engine that cannot be used has a single point that says why."""
+    """Yield all sweeps of the request; an engine that cannot be used has a single point that says why.
+
+    Raises UnknownNameError for an engine that does not exist.
+    """
     for number, case in enumerate(request.cases):
         for name in request.engines:
             absent = why_unavailable(engine(name))

@@ -65,7 +65,7 @@ class BenchRun(RunRecord):
 
     @property
     def overhead(self) -> float | None:
-        """Share of the stepping outside the engine's own calls; None where that is not known."""
+        """Share of the stepping, of 1, outside the engine's own calls; None where that is not known."""
         if self.engine_seconds is None or not self.seconds:
             return None
         return max(0.0, 1.0 - self.engine_seconds / self.seconds)
@@ -257,14 +257,14 @@ FOREMOST = ("Mkr", "phi")  # the quantity by which a place is judged unless the 
 
 
 def rows(points: DataFrame) -> list[Row]:
-    """The rows of a table as named tuples; ``DataFrame.itertuples`` takes ten times as long."""
+    """The rows of a table as named tuples, with its columns; ``DataFrame.itertuples`` takes ten times as long."""
     row = _row_type(tuple(points.columns))
     return [row._make(values) for values in points.to_numpy(dtype=object).tolist()]
 
 
 @cache
 def _row_type(columns: tuple[str, ...]) -> Row:
-    """The named tuple with these columns."""
+    """The named tuple with these columns, the same class each time."""
     return namedtuple("Row", columns)
 
 
