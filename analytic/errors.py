@@ -50,13 +50,16 @@ class DescriptionError(LinkproofError):
 
 
 class StructureError(LinkproofError):
-    """A linkage that is no driver followed by Assur groups; ``so_far`` is the formula of those before the fault."""
+    """A linkage that is no driver followed by Assur groups, or whose sketch leaves a group's configuration open.
+
+    ``so_far`` is the structural formula of the groups before the fault, "" in the second case.
+    """
 
     so_far: str = ""
 
 
 class AssemblyError(LinkproofError):
-    """A linkage whose links cannot meet at the given crank angle."""
+    """A linkage whose links cannot meet, or cannot move on, at the given crank angle or over the motion asked for."""
 
 
 def symbol(name: str) -> str:

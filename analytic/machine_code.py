@@ -107,7 +107,7 @@ class LinkageTrace:
 
 
 def is_traceable(mechanism: Mechanism) -> bool:
-    """Whether a linkage has a list of operations: it consists of dyads without change points, and has no friction."""
+    """Whether a linkage can have a list of operations: it has dyads alone, without change points, and no friction."""
     has_list = not (mechanism.is_numerical or mechanism.linkage.friction)
     return has_list and not any(dyad.changes for dyad in mechanism.structure.dyads)
 

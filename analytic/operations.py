@@ -236,7 +236,10 @@ class Traced(NDArrayOperatorsMixin):
         return self.trace.apply(NAMES[ufunc], *inputs) if ufunc in NAMES else NotImplemented
 
     def __array_function__(self, function: Any, _: object, inputs: Any, options: Any) -> Any:  # noqa: ANN401
-        """Apply one of the functions in ``SHAPING``, which only arrange numbers; NotImplemented for others."""
+        """Apply one of the functions in ``SHAPING``: ``np.where``, which is noted, or one that only arranges numbers.
+
+        NotImplemented for others.
+        """
         return SHAPING[function](*inputs, **options) if function in SHAPING else NotImplemented
 
 

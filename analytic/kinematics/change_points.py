@@ -295,7 +295,7 @@ def _distance_to_next(angles: tuple[float, ...], touch: Touch, period: float) ->
 
 
 def _within_half_turn(angle: Any) -> Any:  # noqa: ANN401
-    """An angle, rad, with whole turns taken off, so that it is within half a turn of zero."""
+    """An angle, rad, any shape, with whole turns taken off, so that it is in [-π, π)."""
     return np.mod(angle + np.pi, FULL_TURN) - np.pi
 
 

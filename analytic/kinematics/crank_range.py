@@ -43,7 +43,7 @@ class Toggle:
 
     @property
     def sentence(self) -> str:
-        """The position in words, with its links, to follow the place it is at; it has no full stop."""
+        """How the links stand there, after their names, such as "coupler + rocker (RRR): stretched in one line"."""
         return f"{self.dyad.name}: {self.reason}" if self.dyad else self.reason
 
 
@@ -52,8 +52,8 @@ class CrankRange:
     """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
 
     Of a driver that is pushed they are travels or lengths, m, and an end is None where nothing limits it within
-    ``reach`` of the start.
-    ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them.
+    ``reach`` of the start. ``phi`` says which of both the driver has, and writes φ. ``change_points`` are the angles
+    within it at which two assembly modes meet and neither ends: the crank passes them.
     """
 
     start: float
@@ -242,7 +242,7 @@ class _Margins:
     def _zero_of_margin(self, row: int, good: float, end: float) -> float:
         """The offset at which the margin of group ``row`` is zero or touches it, between ``good`` and ``end``.
 
-        All three are rad or m from the start; the margin at ``good`` is not negative.
+        All three are rad or m from the start; ``good`` is within the range.
         """
 
         def margin(offset: float) -> float:

@@ -121,7 +121,7 @@ class Rail:
         self.along, self.turn, self.local, self.start = outer.along, outer.turn, local, point_on_rail(outer, local)
 
     def place(self, host: Pose) -> None:
-        """Put the side on its host at a pose; sets ``base``, the position, m, at zero travel."""
+        """Put the side on its host at a pose; sets ``base``, the position, m, at zero travel, and ``e``."""
         self.host, self.base, self.e = host, frames.point(host, self.start), frames.arm(host, self.along)
 
     def pose(self, point: Pair) -> Pose:
@@ -234,7 +234,7 @@ class _DyadForm:
 
     @property
     def outer_pins(self) -> str:
-        """Names of the two outer pins, quoted, as words."""
+        """Names of the two outer pins, quoted, as words: "'A' and 'B'"."""
         return f"'{self.joints[0].point}' and '{self.joints[2].point}'"
 
     def least_determinant(self) -> Scalar:
@@ -445,7 +445,10 @@ class RRP(_PinDyad):
         return rod.pose(rod.r), rail.pose(self.pin)
 
     def _solved(self, carried: Sequence[Pair]) -> tuple[Scalar, Scalar]:
-        """The unknown rates, solved with the sides exchanged, since the slide comes second."""
+        """The rates x' of the arm's angle and the slide's travel, or their slopes, from what ``carried`` gives.
+
+        They are solved with the sides exchanged, since the slide comes second.
+        """
         return super()._solved(carried[::-1])  # r⊥ × e is −r · e
 
     def dead_position(self) -> str:
@@ -597,7 +600,10 @@ class RPR(_SlideDyad):
         return np.sqrt(frames.dot(self.side.r, self.side.r))
 
     def reach_margin(self) -> tuple[Scalar, Scalar]:
-        """Distance AB less the line's offset from B, m, and the lengths it comes from; for no offset, AB itself."""
+        """Distance AB less the line's offset from B, m, and the lengths it comes from.
+
+        Without an offset it is AB less a rounding.
+        """
         offset, pins = abs(self.offset), _magnitude_sum(self.pin, self.side.base)
         return self.gap() - (offset + (2.0 * ROUNDING) * pins * (offset == 0.0)), pins + offset
 

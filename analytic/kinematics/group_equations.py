@@ -72,7 +72,10 @@ def _span_derivatives(far: Motion, far_point: Pair, near: Motion, near_point: Pa
 
 
 def _direction_derivatives(near: Motion, along: Pair, order: int) -> list[Pair]:
-    """A direction ``along``, fixed in a body, in the ground frame, and its derivatives over φ up to an order."""
+    """A direction ``along``, fixed in a body, in the ground frame, then its derivatives over φ up to ``order``.
+
+    ``near`` is the body's motion.
+    """
     e = frames.arm(near[0], along)
     lines = [e]
     if order:
@@ -183,7 +186,10 @@ class GroupSystem:
     def __init__(
         self, joints: Sequence[GroupJoint], links: Sequence[str], hosts: Motions, coordinate: Array, unit: float
     ) -> None:
-        """Set up the equations of ``joints`` between ``links`` and ``hosts`` at φ (n,); ``unit``, m, scales lengths."""
+        """Set up the equations of ``joints`` between ``links`` and ``hosts`` at φ (n,); ``unit``, m, scales lengths.
+
+        ``links`` are names, ``hosts`` the motions of the bodies that they hang on by name, each number (n,).
+        """
         self.joints, self.links, self.hosts, self.coordinate = joints, links, hosts, coordinate
         self.count = len(coordinate)
         self.columns = np.tile([unit, unit, 1.0], len(links))
@@ -205,7 +211,10 @@ class GroupSystem:
         return np.asarray(np.stack([np.broadcast_to(row, (self.count,)) for row in rows], axis=1) * self.rows)
 
     def matrix(self, motions: Motions) -> Array:
-        """The Jacobian in the system's unit, (n, equations, unknowns)."""
+        """The Jacobian in the system's unit, (n, equations, unknowns).
+
+        ``motions`` has those of all bodies by name; their poses alone count.
+        """
         poses = {body: motion[0] for body, motion in motions.items()}
         return np.asarray(jacobian(self.joints, self.links, poses, self.count) * self.rows[:, None] * self.columns)
 

@@ -295,7 +295,7 @@ class GroupSolver:
         return GroupSystem(self.group.joints, self.group.links, hosts, self.coordinate, self.branch.unit)
 
     def _flat(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
-        """The numbers of a pose or a rate, each as a flat array over φ."""
+        """The numbers of a pose or a rate, each as a flat array over φ, (n,)."""
         count = (len(self.coordinate),)
         return tuple(np.ravel(np.broadcast_to(np.asarray(part, dtype=float), self.shape or count)) for part in parts)
 

@@ -81,7 +81,10 @@ class Mechanism:
 
     @property
     def repeats(self) -> bool:
-        """Whether motion and loads repeat after one turn: not of a pushed driver, nor with one change point a turn."""
+        """Whether motion and loads repeat after one turn.
+
+        They do not of a pushed driver, with an odd number of change points a turn, or under loads of a longer period.
+        """
         return not self.linkage.is_linear and self.cycle == FULL_TURN
 
     @cached_property
@@ -175,7 +178,7 @@ class Mechanism:
         reach.check(reach.start, reach.start + FULL_TURN, self.linkage.name)
 
     def check_determined(self, low: float, high: float) -> None:
-        """Raise AssemblyError where a dyad turns freely at a crank angle from ``low`` to ``high``, rad."""
+        """Raise AssemblyError where the motion is undetermined at a crank angle from ``low`` to ``high``, rad."""
         for dyad, angle, reason in self.undetermined:
             if (angle - low) % FULL_TURN <= high - low:
                 raise AssemblyError(f"'{self.linkage.name}' is undetermined at {degrees(angle)}: {dyad.words} {reason}")

@@ -41,7 +41,7 @@ class Revolute:
 
     @property
     def name(self) -> str:
-        """The joint's name for a reader."""
+        """The joint's name for a reader, such as "pin 'A'"."""
         return f"pin '{self.point}'"
 
 
@@ -62,7 +62,7 @@ class Prismatic:
 
     @property
     def name(self) -> str:
-        """The joint's name for a reader."""
+        """The joint's name for a reader, such as "slide of 'frame' and 'slider'"."""
         return f"slide of '{self.near}' and '{self.far}'"
 
 
@@ -103,12 +103,12 @@ class ClosedGroup(ABC):
 
     @property
     def name(self) -> str:
-        """The group's links and kind, for a reader."""
+        """The group's links and kind, for a reader, such as "coupler + rocker (RRR)"."""
         return f"{' + '.join(self.links)} ({self.kind})"
 
     @property
     def words(self) -> str:
-        """The group's links, quoted, for a sentence."""
+        """The group's links, quoted, for a sentence, such as "'coupler' and 'rocker'"."""
         return " and ".join(f"'{link}'" for link in self.links)
 
     @property
@@ -136,7 +136,7 @@ class DrivenLink(ClosedGroup):
 
     @property
     def joints(self) -> tuple[GroupJoint, ...]:
-        """The joint to the placed body, and the cylinder; a rod comes before a slide."""
+        """The joint to the placed body, then the cylinder; the other way round where that joint is a slide."""
         return (self.outer, self.cylinder) if self.kind == TURNED else (self.cylinder, self.outer)
 
 
@@ -169,8 +169,8 @@ class Group:
     """An Assur group of class III or higher, or with the driving cylinder in it: solved by Newton's method.
 
     ``joints`` are outer ones, seen from a placed body, and inner ones. ``grade`` is its class by Artobolevskii: the
-    sides of its largest closed contour, three of a rigid one. ``branch`` is the configuration that the sketch means,
-    followed over φ; None until it is.
+    sides of its largest closed contour, at least three. ``branch`` is the configuration that the sketch means, followed
+    over φ; None until it is.
     """
 
     links: tuple[str, ...]
@@ -190,14 +190,17 @@ class Group:
 
     @property
     def kind(self) -> str:
-        """The group's class in words, with the driving cylinder if it is part, and that it is solved numerically."""
+        """The group's class in words, or that the driving cylinder is part of it, and that it is solved numerically.
+
+        For example "III, numerical".
+        """
         if any(isinstance(joint, DrivenDistance) for joint in self.joints):
             return "with the cylinder, numerical"
         return f"{ROMAN.get(self.grade, str(self.grade))}, numerical"
 
     @property
     def name(self) -> str:
-        """The group's links and kind, for a reader."""
+        """The group's links and kind, for a reader, such as "a + b + c + d (III, numerical)"."""
         return f"{' + '.join(self.links)} ({self.kind})"
 
 
@@ -248,7 +251,7 @@ class Structure:
 
     @property
     def formula(self) -> str:
-        """The structural formula as text, the class I driver first."""
+        """The structural formula as text, the class I driver first, as in "I (crank) -> coupler + rocker (RRR)"."""
         return structural_formula(self.pivot, self.groups)
 
 

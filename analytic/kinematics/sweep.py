@@ -189,7 +189,7 @@ class Sweep:
     def _handle_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         """Raise AssemblyError where a group's links do not meet, or note it in ``faults``.
 
-        Raises LinkproofError for φ that are not finite.
+        Without ``faults`` raises LinkproofError for φ that are not finite.
         """
         check_assembly(self.linkage, solver, self.angle, self.faults)
 

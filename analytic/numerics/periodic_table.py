@@ -49,7 +49,7 @@ class PeriodicTable:
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
-        """Borders between the cells, and middle and reciprocal half width of every cell, rad."""
+        """Borders between the cells, rad, and middle, rad, and reciprocal half width, 1/rad, of every cell."""
         left, right = self.edges[:-1], self.edges[1:]
         return left[1:], 0.5 * (left + right), 2.0 / (right - left)
 
