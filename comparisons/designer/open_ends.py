@@ -46,7 +46,8 @@ class OpenEnd:
 def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]:
     """Start and end of a motion over a range, rad or m: short of its limits, where forces grow beyond all bounds.
 
-    ``backwards`` the upper end is the start. A cylinder moves to its very ends.
+    A share MARGIN of the range is left out at either end, but none at the end of a cylinder's travel. ``backwards`` the
+    upper end is the start.
     """
     low, high = reach.limits
     margin = MARGIN * (high - low)

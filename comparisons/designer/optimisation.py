@@ -148,7 +148,10 @@ class Optimum:
         return min(max(value, variable.low), variable.high)
 
     def _serves(self, numbers: Mapping[str, float]) -> bool:
-        """Whether a design of these numbers, SI, is as good as the best one and meets the same constraints."""
+        """Whether a design of these numbers, SI, by name, is nearly as good as the best one and keeps the constraints.
+
+        Its aim may differ by AS_GOOD, and no constraint may be violated more than in the best design.
+        """
         problem, count = self.problem, len(self.problem.aims)
         values = problem.case.figures_of(numbers, problem.figures)
         held = zip(problem.constraints, values[count:], self.values[1, count:], problem.constraint_sizes, strict=False)
@@ -179,7 +182,7 @@ class Optimum:
         return of_best if of_best.names else self.problem.case.open_ends(self.figures)
 
     def aim(self, values: Array) -> float:
-        """The aim's value, SI, among figures (figures,): of several aims the worst one's."""
+        """The aim's value, SI, among the values of figures (figures,), aims first: of several aims the worst one's."""
         sign = self.problem.sign
         return float(sign * np.max(sign * values[: len(self.problem.aims)]))
 

@@ -295,8 +295,8 @@ class SteadyCase:
     def loads_that_stay(self, designs: Iterable[Mapping[str, float]]) -> str:
         """A sentence on loads over the crank angle whose place in the stroke changes in a design; "" without any.
 
-        ``designs`` are numbers, SI, by name; those without dead centres are left out. The first such design counts. A
-        dead centre that moves by less than DEAD_CENTRE_MOVES has not moved.
+        ``designs`` are numbers, SI, by name; those without dead centres are left out. It is about the first of them
+        whose top dead centre moves by more than DEAD_CENTRE_MOVES from the file's.
         """
         linkage = self.linkage
         tables = [law.angles is not None and law.over == "phi" for law in linkage.laws]

@@ -189,9 +189,9 @@ class _CachedDesigns:
         self.good = self.designs
 
     def __call__(self, place: Array) -> Linearised:
-        """The design at a place, linearised; where it cannot be assembled, a stand-in worse than the last good one.
+        """The design at a place (variables,), linearised and kept until another place is asked for.
 
-        That is counted as ``beyond``.
+        Where it cannot be assembled it is a stand-in worse than the last good one, counted as ``beyond``.
         """
         if not np.array_equal(place, self.last):
             self.last = place.copy()

@@ -134,7 +134,7 @@ class Sheet:
 
     @property
     def columns(self) -> dict[str, Array]:
-        """Every signal of the table, (n,), in the file's units, the axis first, by name and unit: "Mkr [N mm]"."""
+        """Every signal of the table, (n,), in the file's units, the axis first, by name and unit: "Mkr [N*m]"."""
         names = sorted(self.table, key=lambda name: name != self.axis)  # stable: the rest keeps its order
         units = {name: self.unit(name) for name in names}
         return {f"{name} [{unit.name}]": self.table[name] / unit.size + 0.0 for name, unit in units.items()}

@@ -390,6 +390,9 @@ def lazy_dataset(request: SweepRequest, values: Mapping[str, Any]) -> xarray.Dat
 
 
 def _compute_chunk(request: SweepRequest, *values: Array) -> Array:
-    """The figures of the designs that ``values``, one array of each parameter, span: (figures, *shape)."""
+    """The figures of the designs that ``values``, one array (n,) of each parameter, span: (figures, *shape).
+
+    All are in the file's units.
+    """
     space = replace(request.space, columns=values)
     return request.values(space.block(0, space.count)).reshape(-1, *space.shape)

@@ -150,7 +150,7 @@ class Fitting:
         return np.where(signal.over & np.isnan(residual), self.before[number], residual)  # left open, unexplained
 
     def evaluate(self, fault: Hypothesis, numbers: float | Iterable[float], digits: int = NOT_ROUND) -> Fit | None:
-        """The fit of a fault with exactly these numbers; None where it cannot be simulated.
+        """The fit of a fault with exactly these numbers, one or (k,); None where it cannot be simulated.
 
         ``digits`` goes into the Fit: how round the number is.
         """

@@ -280,7 +280,7 @@ class ImportedJudgement:
         return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
 
     def without_cause(self, verdict: SignalVerdict) -> tuple[str, Array | None]:
-        """Words of the likely cause of a signal's difference, "" for none, and the file's values without it, (n,).
+        """Words of the likely cause of a signal's difference, "" for none, and the file's values without it, (n,), SI.
 
         These are nan at jumps of the crank's acceleration, where either value is accepted; None without a cause.
         """

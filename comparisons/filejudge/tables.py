@@ -286,9 +286,9 @@ def _is_value(cell: str) -> bool:
 
 
 def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs, width: int) -> None:
-    """Raise LinkproofError, with file and line, for a line of ``width`` cells with numbers, one of which is none.
+    """Raise LinkproofError, with file and line, for a line that is a row of ``width`` cells, one of which is no number.
 
-    Comments are let pass.
+    A row has a number in some cell and is no comment; all other lines pass.
     """
     for number, text, _ in lines:
         cells = signs.cells(text)
@@ -331,7 +331,10 @@ def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) ->
 
 
 def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
-    """Raise LinkproofError for the first row of a block that is no row of numbers, or for the block."""
+    """Raise LinkproofError, with file and line, for the first row of a block that is no row of numbers.
+
+    If none is found, for the block.
+    """
     rows = part.text.replace("D", "e").replace("d", "e").split("\n")
     first = signs.cells(rows[0])
     for number, row in enumerate(rows, start=part.line):
@@ -344,7 +347,7 @@ def _refuse_rows(file: ResultText, part: _Part, signs: _Signs) -> NoReturn:
 def _check_row(file: ResultText, line: int, cells: Sequence[str], first: Sequence[str]) -> None:
     """Raise LinkproofError for a row with another number of cells than the ``first``, or with no finite number in one.
 
-    A cell may be empty where that of the first row is.
+    It has the file and the ``line``. A cell may be empty where that of the first row is.
     """
     if len(cells) != len(first):
         raise file.fail(

@@ -131,7 +131,8 @@ def body_motion(sweep: Sweep, name: str, order: int, speed: ArrayLike, accelerat
     """Place of the mass centre, x and y, and angle of a link, m and rad, or a derivative by time, SI: (..., 3).
 
     Of ``order`` 0 it is the place, of 1 and 2 the derivative for a crank speed, rad/s, and acceleration, rad/s², each
-    of the sweep's shape or scalar. Raises AssemblyError in a dead position.
+    of the sweep's shape or scalar. Raises AssemblyError where the linkage cannot be assembled or move, and
+    UnknownNameError for an unknown link.
     """
 
     def over_angle(k: int) -> Array:
@@ -384,7 +385,7 @@ def motion_of_file_regime(mechanism: Mechanism, regime: ReleasedRegime) -> FreeM
 
 
 def _release_words(linkage: Linkage, regime: ReleasedRegime) -> str:
-    """Words on how a driver is released: its angle, its speed and its drive."""
+    """Words on how a driver is released: "released at 0° with 10 rad/s, crank torque 2 N m"."""
     if linkage.is_linear:
         speed = linkage.written(regime.start_speed)
         return (
@@ -414,7 +415,7 @@ def case_of_file_regime(mechanism: Mechanism, regime: FileRegime) -> Case:
 
 
 def _torque_words(regime: ReleasedRegime, unit: str) -> str:
-    """A released crank's torque in words, in this unit if constant; else how many values it has, over what."""
+    """A released crank's torque in words, in this unit if constant: "2 N m", "24 values over the angle"."""
     if regime.over_angle is not None:
         return f"{len(regime.over_angle.values)} values over the angle"
     if regime.over_time is not None:
@@ -439,7 +440,8 @@ def channel_truth(case: Case, channel: Channel, part: str, time: Array) -> Array
     """The closed form, SI, of a channel at times (n,), s: of a body (n, 3), of a joint (n, 2), or of the drive (n,).
 
     Of a body it is x, y and angle, or their first or second derivative by time, as the channel says; of a joint the
-    force, x and y. ``part`` is the body's or the joint's name; the drive needs none.
+    force, x and y. ``part`` is the body's or the joint's name; the drive needs none. Raises UnknownNameError for an
+    unknown body, KeyError for an unknown joint.
     """
     at = case.at(time)
     if channel is Channel.TORQUE:
