@@ -260,7 +260,7 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
 
 
 def _finding_as_dict(finding: FaultFinding) -> dict[str, Any]:
-    """A finding as JSON-ready data."""
+    """A finding as JSON-ready data: signals, likeliest cause and others, share of the peak left, prior corrections."""
     return {
         "signals": list(finding.signals),
         "likeliest": _cause_as_dict(finding.likeliest.fault.name, finding.likeliest.words),

@@ -208,7 +208,10 @@ LOOKS: Final = {Setting.NAIVE.value: "open", Setting.TUNED.value: "filled", Sett
 
 
 class Look(NamedTuple):
-    """How an engine is drawn on every page: a colour of the style sheet, a symbol of Plotly, its sign in words."""
+    """How an engine is drawn on every page: a colour of the style sheet, "c0" to "c8" or "muted", and a symbol.
+
+    ``symbol`` is its name in Plotly, ``sign`` the same as a letter.
+    """
 
     ink: str
     symbol: str
@@ -379,7 +382,7 @@ READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 def origin_words(records: Sequence[Error], runs: int) -> str:
     """The origin of a run's results in words: "1 run, read", "4 runs, extrapolated", "control"; "" without any.
 
-    ``runs`` is the number of passes that were extrapolated.
+    ``records`` are the run's, ``runs`` is the number of passes, extrapolated if there are several.
     """
     words = [record for record in records if record.origin]
     if not words:
@@ -392,7 +395,7 @@ def origin_words(records: Sequence[Error], runs: int) -> str:
 
 
 def computed_or_shared(records: Sequence[Error]) -> str:
-    """The quantities that the adapter computes or shares with the reference, in words; "" without any."""
+    """The quantities that the adapter computes or shares with the reference, in words with "; "; "" without any."""
     families = {
         origin: ", ".join(dict.fromkeys(family(record.quantity) for record in records if record.origin == origin))
         for origin in (Origin.COMPUTED, Origin.PARTLY)
@@ -447,7 +450,7 @@ def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
 
 
 def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
-    """The rows of the checks; mutants with the same outcome and words share a row."""
+    """The rows of the checks: name, finding, detail; mutants with the same outcome and words share a row."""
     groups: Counter[tuple[str, Finding, str]] = Counter()
     for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED

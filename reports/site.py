@@ -80,7 +80,7 @@ class Contents:
 
     @cached_property
     def pages(self) -> Mapping[PageLink, Callable[[], Page]]:
-        """What builds every page, by the link to it, in reading order: the first page, mechanisms, studies.
+        """The functions that build the pages, by the link to each, in reading order: first page, mechanisms, studies.
 
         One designer's result or judgement has one page. Raises LinkproofError where there is no data for any page.
         """

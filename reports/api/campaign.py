@@ -137,9 +137,9 @@ def request(
 ) -> CampaignRequest:
     """The runs of a comparison under ``motion``, of engines, settings and quantities by name; raises LinkproofError.
 
-    It does so for names that are unknown and for an impossible motion. By default the engines are those installed, the
-    setting is tuned, and all is compared. A linkage's own regimes run in the settings that are named; of all, in tuned
-    alone, since they take many turns.
+    It does so for unknown engines, settings and regimes and for an impossible motion; quantities are not checked. By
+    default the engines are those installed, the setting is tuned, and all is compared. A linkage's own regimes run in
+    the settings that are named; of all, in tuned alone, since they take many turns.
     """
     motions, conditions, own_regimes = requested_motions(motion, linkages)
     settings = requested_settings(setting)

@@ -58,9 +58,10 @@ def steady_case(
 
 
 def sweep_request(case: SteadyCase, space: DesignSpace, quantity: Sequence[str], *, refine: bool) -> SweepRequest:
-    """The figures of a space of designs, the usual ones if no ``quantity`` is named.
+    """The request for figures, by name, of a space of designs, the usual ones if no ``quantity`` is named.
 
-    Raises LinkproofError for unknown names, no figure at all and more values than memory holds.
+    ``refine`` finds exact extremes between the sampled angles. Raises LinkproofError for unknown names, no figure at
+    all and more values than memory holds.
     """
     linkage = case.linkage
     figures = named_figures(case.mechanism, quantity) if quantity else known_figures(case.mechanism, USUAL)

@@ -165,7 +165,7 @@ def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
 
 
 def card_figure(linkage: Linkage, positions: Positions) -> Figure:
-    """A small figure of the linkage in one position with the paths of its points, without axes and names."""
+    """A small figure of the linkage in its clearest position with the paths of its points, without axes and names."""
     scheme = KinematicScheme(linkage, positions)
     low, high = scheme.extent
     scale = float(np.min((CARD - 2.0 * RIM) / np.maximum(high - low, 1e-9)))
@@ -247,7 +247,10 @@ def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
-    """Draw the curve of every moving point: the output's broad, those of a coupler's own points in colour."""
+    """Draw the curve of every moving point, thin and dashed.
+
+    The output's is broad, those of points that are in no joint are in colour.
+    """
     linkage = scheme.linkage
     output = linkage.output.point if linkage.output else None
     free = sorted(set(scheme.paths) - scheme.joined - set(linkage.ground) - {output})

@@ -99,7 +99,7 @@ def axes(incomplete: str) -> list[str]:
 
 
 def _files_by_name() -> dict[str, Path]:
-    """The files of the catalogue's mechanisms, by their names."""
+    """The linkage files that come with linkproof, of catalogue, gallery and literature, by their names."""
     return {path.stem: path for path in CATALOGUE.rglob("*.toml")}
 
 

@@ -48,7 +48,7 @@ class Study:
         raise NotImplementedError
 
     def json(self) -> str:
-        """The output of ``to_dict`` as JSON text; raises ValueError for a number that is not finite."""
+        """The output of ``to_dict`` as indented JSON text; raises ValueError for a number that is not finite."""
         from comparisons.trials.runs.store import to_json  # noqa: PLC0415 - a table needs none of it
 
         return to_json(self.to_dict())

@@ -34,7 +34,8 @@ def render(template: str, **values: object) -> Markup:
 def lines(macro: str, **values: object) -> list[str]:
     """The sentences of one macro of ``sentences.txt`` with these values, a line each, as plain text.
 
-    Empty lines are left out. Raises an error of Jinja for a macro that there is not or a value that it lacks.
+    Empty lines are left out. Raises KeyError for a macro that there is not, Jinja's UndefinedError for a value that it
+    lacks.
     """
     names = str(getattr(_sentences(macro), macro)(**values)).splitlines()
     return [" ".join(line.split()) for line in names if line.strip()]

@@ -57,7 +57,7 @@ def sections(sheet: Sheet) -> tuple[Section, ...]:
 
 
 def sentences(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
-    """Paragraphs with the reasons why the parts ``keys`` of the sheet are missing; () where none is."""
+    """Paragraphs, in small print, with the reasons why the parts ``keys`` of the sheet are missing; () if none is."""
     reasons = {key: sheet.missing[key] for key in keys if key in sheet.missing}
     words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
     return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
@@ -81,7 +81,10 @@ def finish(axes: Axes, sheet: Sheet, y_label: str, *, is_last: bool = True) -> N
 
 
 def plot_stacked(sheet: Sheet, names: Sequence[str], host: Host) -> list[Axes]:
-    """Draw signals one below the other over the motion into ``host``, each with its peak marked; returns their axes."""
+    """Draw signals, by name, one below the other over the motion into ``host``, each with its peak marked.
+
+    Returns their axes, the uppermost first. Raises KeyError for a signal that the sheet lacks.
+    """
     column = [*host.subplots(len(names), sharex=True, squeeze=False)[:, 0]]
     for row, (axes, name) in enumerate(zip(column, names, strict=True)):
         colour, peak, unit = PALETTE[row % len(PALETTE)], sheet.peaks[name], sheet.unit(name)

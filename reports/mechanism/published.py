@@ -20,7 +20,10 @@ ROUNDING, DIGITS = 1e-13, 13
 
 
 def published_section(rows: Sequence[Row]) -> Section:
-    """The section on a mechanism's printed figures, with how many each variant meets, and notes."""
+    """The section on a mechanism's printed figures beside ours, with how many each variant meets, and notes.
+
+    ``rows`` are of all variants.
+    """
     met = "; ".join(_met_words(rows, variant) for variant in _variants(rows))
     caption = f"Every printed figure beside ours. Reproduced: {met}."
     table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.", style="published")

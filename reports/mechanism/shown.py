@@ -102,7 +102,7 @@ def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) ->
 
 
 def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
-    """The heads of the columns of places: angle or length and, unless φ is the axis, time before it.
+    """The heads of the columns of places with their units: φ and, unless that is the axis, the time, s, before it.
 
     ``at`` stands before each.
     """
@@ -176,7 +176,7 @@ def key_table(sheet: Sheet) -> Table:
 
 
 def open_end_note(sheet: Sheet) -> str:
-    """A note on the mark of extremes at open ends and on how to avoid these; for a sheet that has some."""
+    """A clause on the mark of extremes at open ends and on how to avoid these; for a sheet that has some."""
     return f"{AT_OPEN_END} marks numbers at an open end of the motion: {sheet.open_end_warning}"
 
 

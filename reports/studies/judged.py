@@ -45,7 +45,7 @@ class Judgement(Study, ImportedJudgement):
 
     @property
     def _files(self) -> str:
-        """The paths of the judged files as one text."""
+        """The paths of the judged files as one text, with commas."""
         return ", ".join(map(str, self.paths))
 
     @property

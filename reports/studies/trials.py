@@ -59,7 +59,7 @@ class Trials(Study):
 
     @classmethod
     def load(cls, folder: str | Path) -> Self:
-        """The study in a folder, which keeps it; no engine is imported.
+        """The study in a folder, with that as its ``folder``; no engine is imported.
 
         Raises LinkproofError if it is missing or damaged.
         """
@@ -142,7 +142,7 @@ class Comparison(Trials):
     def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
         """Every error over its limit, of a mechanism under a regime, by default the first ones, as a matplotlib figure.
 
-        Raises UnknownNameError for a name that was not compared.
+        Raises UnknownNameError for a name that was not compared, StopIteration if nothing was.
         """
         from reports.mechanism.engines import errors_figure  # noqa: PLC0415
         from reports.records import views  # noqa: PLC0415
