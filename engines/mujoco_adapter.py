@@ -97,8 +97,8 @@ class MujocoModel:
     def friction(self, numbers: Mapping[str, int]) -> Iterator[tuple[Any, ...]]:
         """Yield a row for each joint with friction: name, friction over force, both bodies, anchor and direction.
 
-        Bodies are given by their ``numbers``. A pin's ratio is a moment's, m; it has 0 and None for the last two, which
-        are complex numbers of a guide, in the frames of its body and its host.
+        Bodies are given by their ``numbers``. Friction over force is a ratio of a guide and a lever, m, of a pin.
+        Anchor and direction are complex numbers, in the frames of a guide's body and host; of a pin 0 and None.
         """
         joints = {joint.name: joint for joint in self.scene.joints}
         for rubs in self.scene.friction:

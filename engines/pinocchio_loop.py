@@ -134,12 +134,15 @@ def _frame(place: tuple[float, float], turn: float) -> Any:  # noqa: ANN401
 
 
 def build(model: Data) -> PinocchioWorld:
-    """The world of a model, in its start state."""
+    """The world of a model, the adapter's data, in its start state."""
     return PinocchioWorld(model)
 
 
 def follow(world: PinocchioWorld, course: Data) -> Data:
-    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts.
+
+    They are times, s, and values by channel, and by joint under "joint_force".
+    """
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
         rows[-1:] = world.part_states(part, course["ratio"])

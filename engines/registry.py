@@ -72,7 +72,7 @@ def _announced() -> dict[str, EntryPoint]:
 
 @cache
 def _read_announced(_: tuple[str, ...]) -> dict[str, EntryPoint]:
-    """The group's entry points by engine name, in name order, ours before another of the same name.
+    """The group's entry points by engine name, in name order, ours where another has the same name.
 
     The argument, ``sys.path``, is only the key by which they are cached: reading them takes longer than many runs.
     """
@@ -86,7 +86,7 @@ def engine_names() -> tuple[str, ...]:
 
 
 def own_names() -> tuple[str, ...]:
-    """Names of the suite's own engines, whatever plug-ins are installed: what its documentation and tests are about."""
+    """Names of the suite's own engines, in order, without plug-ins: what its documentation and tests are about."""
     return tuple(name for name, entry in _announced().items() if _is_ours(entry.value))
 
 
@@ -119,7 +119,7 @@ def engine(name: str) -> Engine:
 
 
 def stand_in(name: str, error: BaseException) -> Unusable:
-    """The Unusable adapter for a name whose loading raised an error; raises UnknownNameError for an unknown name."""
+    """An Unusable adapter for a name whose loading raised ``error``; raises UnknownNameError for an unknown name."""
     entry = entry_point(name)
     module = entry.value.partition(":")[0].strip()  # which may be no name of a module at all
     return Unusable(name, module, entry.dist.version if entry.dist else "", error)
@@ -208,7 +208,7 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def flush() -> None:
-    """Flush Python's and C's buffers of standard output and error."""
+    """Flush Python's buffers of standard output and error, and all of C's where its library can be loaded."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         stream.flush()
     with suppress(OSError, AttributeError, TypeError):  # a system without a C library that can be loaded

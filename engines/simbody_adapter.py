@@ -73,7 +73,10 @@ class SimbodyModel:
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Arrange a scene as a tree for Simbody; two light links stand for a cylinder; some body has to have a mass."""
+        """Arrange a scene as a tree for Simbody; two light links stand for a cylinder.
+
+        Raises ValueError where no body has a mass.
+        """
         light = LIGHT * min(body.mass for body in scene.bodies if body.mass)
         self.scene, self.linked = scene, cylinder_as_links(scene, light)
         self.tree = tree = spanning_tree(self.linked)
@@ -124,9 +127,9 @@ class SimbodyModel:
         }
 
     def springs(self) -> Iterator[tuple[int, Vector, int, Vector, str]]:
-        """Yield springs, and a free cylinder's push: number and anchor of both ends, and the force as a text.
+        """Yield rows of springs, and a free cylinder's push: number and anchor of both ends, and the pull as a text.
 
-        The text is an expression of length and rate, ``d`` and ``ddot``.
+        The text is an expression of length and rate, ``d`` and ``ddot``, as OpenSim reads it.
         """
         scene = self.scene
         springs = [
@@ -155,7 +158,7 @@ class SimbodyModel:
                 yield crank, (0.0, 0.0), vars(scene.drive.over_time)
 
     def readout_data(self, body: Body) -> tuple[int, list[int], float]:
-        """A body's number, the numbers of the coordinates whose sum is its angle, and a constant, rad, to add."""
+        """A body's number, the numbers of the coordinates whose sum is its angle, and a constant to add to it, rad."""
         turning = self.turning[body.name] if body.inertia is not None else []
         return self.numbers[body.name], turning, body.angle - sum(self.tree.branches[n].value for n in turning)
 

@@ -102,7 +102,7 @@ class SimbodyWorld:
         self.model.addConstraint(self.cuts[-1])
 
     def force(self, number: int, sign: float, state: Any) -> tuple[float, float]:  # noqa: ANN401
-        """The force, N, that a joint of the tree exerts on its body or, with the sign -1, on the parent.
+        """The force, N, that a joint of the tree exerts on its parent or, with the sign -1, on its body.
 
         It is in the ground frame, of joint ``number`` of the tree, at a realised state.
         """
@@ -150,7 +150,7 @@ class SimbodyWorld:
         return rows
 
     def read(self, channels: list[str], state: Any) -> Data:  # noqa: ANN401
-        """The requested channels of a state, by name; realises the state's accelerations."""
+        """The values of the requested channels at a state, by name; realises the state's accelerations."""
         self.model.realizeAcceleration(state)
         dynamics = {"torque": self.torque, "joint_force": self.joint_forces}
         return {name: dynamics[name](state) if name in dynamics else self.kinematics(name, state) for name in channels}
@@ -184,12 +184,16 @@ def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: A
 
 
 def build(model: Data) -> SimbodyWorld:
-    """The world of a model, in its start state."""
+    """The world of a model, the adapter's data, before its first part."""
     return SimbodyWorld(model)
 
 
 def follow(world: SimbodyWorld, course: Data) -> Data:
-    """Step through all parts of a course and return its samples; at a border of parts the later part's counts."""
+    """Step through all parts of a course and return its samples; at a border of parts the later part's counts.
+
+    They are times, s, and values by channel, and by joint under "joint_force". Raises ArithmeticError where Simbody
+    gives up.
+    """
     rows: list[tuple[float, Data]] = []
     for part in course["parts"]:
         rows[-1:] = part_states(world, part, course)
@@ -197,9 +201,10 @@ def follow(world: SimbodyWorld, course: Data) -> Data:
 
 
 def part_states(world: SimbodyWorld, part: Data, course: Data) -> Iterator[tuple[float, Data]]:
-    """Step through a part and yield each sample: time, s, and its channels; raises ArithmeticError if that fails.
+    """Step through a part and yield each sample: time, s, and values by channel.
 
-    OpenSim's clock restarts every segment. At the end the model keeps the state, from which the next part begins.
+    Raises ArithmeticError where Simbody gives up. OpenSim's clock restarts every segment. At the end the model keeps
+    the state, from which the next part begins.
     """
     model, given = world.model, world.given
     time = np.linspace(part["start"], part["end"], part["samples"] + 1)

@@ -223,9 +223,10 @@ def _sample_times(duration: float, spacing: float | None, turns: float, least: i
 
 
 def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float | None) -> tuple[History, int]:
-    """History, SI, of a driver with a prescribed motion, and the number of instants, at most ``spacing``, s, apart.
+    """History, SI, of a driver with a prescribed motion, and the number of its instants.
 
-    Raises UnsolvableError where the joints cannot be closed or the friction grows without end.
+    They are at most ``spacing``, s, apart, or as chosen for None. Raises UnsolvableError where the joints cannot be
+    closed or the friction grows without end.
     """
     crank, scale = drive.motion, equations.driver.scale
     time = _sample_times(crank.duration, spacing, crank.duration * crank.peak_speed / FULL_TURN)
@@ -270,9 +271,10 @@ def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
 
 
 def _free_motion(equations: Equations, drive: Free, spacing: float | None) -> tuple[History, int]:
-    """History, SI, of a free driver, samples at most ``spacing``, s, apart, and the number of steps of its integration.
+    """History, SI, of a free driver, and the number of time steps of its integration.
 
-    Raises UnsolvableError where it cannot be followed.
+    Samples are at most ``spacing``, s, apart, or as chosen for None. Raises UnsolvableError where the driver cannot be
+    followed, a crank's linkage is in another pose after a turn, or friction grows without end.
     """
     scale = equations.driver.scale
     start, far = start_coordinate(equations.scene) / scale, FULL_TURN if equations.driver.turns else LARGEST_TRAVEL

@@ -78,12 +78,15 @@ class LinearDriver:
         """The arguments, by name, of exudyn's object: the constraint, on either level, its Jacobian, and no scaling."""
 
         def gap(_mbs: Any, t: float, _item: int, q: Any, q_t: Any, at_velocity: bool) -> list[float]:  # noqa: ANN401
-            """The error of φ, m, or of its rate, m/s, at time ``t``, in the form that exudyn calls."""
+            """The error of φ, m, or ``at_velocity`` of its rate, m/s, at exudyn's time ``t``, s, in a list, for exudyn.
+
+            ``q`` and ``q_t`` are the coordinates of both bodies' nodes and their rates.
+            """
             length, gradient = self.span(q)
             return [sum(map(mul, gradient, q_t)) - self.travel(t, 1) if at_velocity else length - self.travel(t, 0)]
 
         def jacobian(_mbs: Any, _t: float, _item: int, q: Any, *_: object) -> Array:  # noqa: ANN401
-            """The gradient of φ over the coordinates ``q``, in the form that exudyn calls."""
+            """The gradient of φ over the coordinates ``q`` of both bodies' nodes, (1, coordinates), for exudyn."""
             return np.array([self.span(q)[1]])
 
         return {"scalingMarker0": np.zeros((1, 1)), "constraintUserFunction": gap, "jacobianUserFunction": jacobian}
@@ -133,7 +136,7 @@ class ExudynWorld:
         over_angle = lru_cache(maxsize=1)(lambda angle: law_values(values, angle))  # it is evaluated at every iteration
 
         def load(mbs: Any, t: float, *_: object) -> Any:  # noqa: ANN401
-            """Components of the load at exudyn's time ``t``, s, in the form that exudyn calls."""
+            """The load at exudyn's time ``t``, s, for exudyn: three components of a force, or one number."""
             if by == "angle":
                 components = over_angle(self.angle(mbs, t))
             else:  # a free driver's, along a direction; of a cylinder the pull

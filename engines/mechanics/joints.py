@@ -218,7 +218,7 @@ class JointEquations:
         return forces
 
     def generalised(self, loads: Reals) -> Reals:
-        """Loads (n, bodies, 3), N and N m, along the free coordinates, (n, k), N: moments are over the unit, m."""
+        """Loads (n, bodies, 3), N and N m, along the free coordinates, (n, k), N, moments divided by the unit."""
         return self.gather(loads / np.array([1.0, 1.0, self.unit]))
 
     def crank_unit(self, count: int) -> Reals:

@@ -102,8 +102,8 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
         """The sort key by which open joints become branches, smaller first.
 
-        It has whether the crank would not be put on the ground by its pin, whether the joint is any but the crank's on
-        the ground, whether it is a pin, and how far from the ground it is, in joints.
+        It has whether a pin would put the crank on another body than the ground, whether the joint is any but the
+        crank's on the ground, whether it is a pin, and how far from the ground it is, in joints.
         """
         ends = dict(joint.ends)
         pinned = isinstance(joint, PinJoint)

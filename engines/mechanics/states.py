@@ -218,7 +218,10 @@ def start_coordinate(scene: Scene) -> float:
 
 
 def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
-    """φ, rad or m, and its time derivatives, each (n,), from motions of the bodies, SI, each (n, bodies, 3)."""
+    """φ, rad or m, and its time derivatives, each (n,), from motions of the bodies, SI, each (n, bodies, 3).
+
+    ``rates`` are none, the velocity, or the velocity and the acceleration.
+    """
     driver, pose = Driver(scene), pose_of(position)
     span = driver.span(pose)
     gradient = driver.gradient(span, len(position))

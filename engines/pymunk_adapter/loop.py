@@ -249,7 +249,7 @@ def driver_speeds(
 
 
 def build(model: Data) -> PymunkWorld:
-    """The world of a model, in its start state."""
+    """The world of a model, the adapter's data, in its start state, but for the velocities."""
     return PymunkWorld(model)
 
 
@@ -320,6 +320,7 @@ def take_steps(
 ) -> tuple[Array, Array, list[int]]:
     """Take all steps; after those of ``stops`` iterations are chosen, states and impulses are read, in this order.
 
+    ``stops`` are three arrays of numbers of steps, 0 being the start; ``read`` are the constraints with the impulses.
     Returns x, y, θ and their rates, (looks, parts, 2, 3), impulses, (loaded, constraints), and iterations, (samples,).
     A motor's rate is that of the step to come: it sets the velocity with which the next step moves the bodies. Of a
     linear drive it is the distance of its ends after that step. ``rates`` has the driver's speed in every step and one

@@ -66,7 +66,10 @@ class Recipe(Pace):
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion as intervals in order, each in basic steps; a linear drive's "turn" is its size."""
+        """The scene's motion as intervals in order, each in basic steps.
+
+        Of a linear drive a travel of the scene's size counts as a turn.
+        """
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
