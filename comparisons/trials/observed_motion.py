@@ -84,7 +84,7 @@ class ObservedMotion:
 
     @cached_property
     def is_linear(self) -> bool:
-        """Whether the driver is pushed along a line."""
+        """Whether the driver is pushed along a line, so that φ is in m."""
         return self.scene.driver_kind is not DriverKind.CRANK
 
     @cached_property
@@ -157,7 +157,7 @@ class ObservedMotion:
         return np.maximum(-self._power(damped, time), 0.0)
 
     def _power(self, scene: Scene, time: Array) -> Array:
-        """Power (n,), W, of the loads of a ``scene``, this motion's with some left out."""
+        """Power (n,), W, at times (n,), s, of the loads of a ``scene``, this motion's with some left out."""
         if not (scene.forces or scene.torques or scene.dampers or scene.springs):
             return np.zeros(len(time))
         rate = self.bodies(Channel.VELOCITY, time)

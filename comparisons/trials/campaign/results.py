@@ -72,7 +72,7 @@ def described_linkage(row: LinkageRow) -> Linkage:
 
 
 def motion_row(motion: CrankMotion) -> MotionRow:
-    """The row that saves a motion."""
+    """The row that saves a motion; ``described_motion`` reads it back."""
     segments = [(piece.start, piece.end, list(piece.coefficients)) for piece in motion.segments]
     return MotionRow(regime=motion.regime, segments=segments)
 
@@ -127,7 +127,7 @@ def _case_of_row(row: CaseRow) -> Case:
 
 
 class KeyFigure(TypedDict):
-    """A key figure of a linkage under a motion, SI, in its unit."""
+    """A key figure of a linkage under a motion by its name: the value, SI, and its unit."""
 
     mechanism: str
     variant: str
@@ -139,7 +139,7 @@ class KeyFigure(TypedDict):
 
 
 class SavedCampaign(TypedDict):
-    """All but the runs."""
+    """A campaign's saved document, all but the runs."""
 
     command: str
     conditions: str
@@ -288,7 +288,7 @@ def with_runs(table: Mapping[str, Any], runs: Iterable[RunRecord]) -> dict[str, 
 
 
 def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> None:
-    """Write a campaign or judgement into a folder, replacing another study there, be it a designer's results.
+    """Write a campaign or judgement into a folder, replacing either of them there, and a designer's results.
 
     ``table`` is its document. Raises LinkproofError where the folder cannot be written.
     """
@@ -297,7 +297,7 @@ def save(folder: Path, table: Mapping[str, Any], runs: Iterable[RunRecord]) -> N
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
-    """The kind of study that a document holds: JUDGE or COMPARE."""
+    """The kind of study that a document holds: JUDGE where it has a "judgement", else COMPARE."""
     return JUDGE if "judgement" in table else COMPARE
 
 

@@ -124,7 +124,7 @@ def _bodies(reading: Reading) -> list[str]:
 
 
 def _in_body_frame(reading: Reading, body: str) -> Array:
-    """A vector (n, 2) in the frame of a body, named, that turns with it."""
+    """The reading's vector (n, 2), given in the ground frame, in the frame of a body, which turns with it."""
     angle = reading.channel_values(Channel.POSITION, body, reading.time)[:, 2]
     c, s, (x, y) = np.cos(angle), np.sin(angle), reading.values.T
     return np.column_stack([c * x + s * y, c * y - s * x])
@@ -177,10 +177,10 @@ SAME: Final = 1e-7  # of a signal's peak, a hundredth of the tightest limit: run
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault: ``wrong(trial)`` is the history of an engine that has it, in a sample and a setting.
+    """One fault: ``wrong(trial)`` gives the history of an engine that has it, in a sample and a setting.
 
-    It is None where the engine gives up, and raises NotTestedError where the fault cannot be planted. Where a ``row``
-    is named, a quantity or invariant, that row has to see it.
+    It gives None where the engine gives up, and raises NotTestedError where the fault cannot be planted. Where a
+    ``row`` is named, a quantity or invariant, that row has to see it.
     """
 
     name: str

@@ -112,7 +112,7 @@ class Finding(StrEnum):
 
 @dataclass(frozen=True)
 class CheckResult:
-    """A check's finding, with a sentence wherever it did not pass."""
+    """A check's finding, with a sentence, ``detail``, wherever it did not pass."""
 
     check: str
     finding: Finding
@@ -175,7 +175,7 @@ class EngineTrial:
         return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
 
     def obstacle(self, sample: str) -> str | None:
-        """The reason, by its abilities, why the engine cannot run a sample; None if it can."""
+        """The reason, by its abilities alone, why the engine cannot run a sample, named; None if it can."""
         return ability_obstacle(case(sample).scene(frozenset()), self.engine.abilities)
 
     def run(self, sample: str, setting: Setting = Setting.TUNED) -> Run:

@@ -187,7 +187,7 @@ def closure(inspection: Inspection) -> dict[str, Signal]:
 
 
 def crank_phase(inspection: Inspection) -> Signal:
-    """The driver's distance, rad or m, from its true motion, at each sample.
+    """The driver's distance, rad or m, from its true motion, at each sample; never negative.
 
     It is no less than the largest angle between two samples, where that is over half a turn.
     """

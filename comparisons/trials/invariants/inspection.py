@@ -109,8 +109,8 @@ class AssurGroups:
     def determinants(self, jacobian: Reals) -> Reals:
         """Determinant of every group's equations over the product of its rows' lengths, (instants, 1 + groups).
 
-        It has no unit. The first column, the crank's, is 1. Its sign tells the two assembly modes of a group apart; it
-        is 0 where they meet. ``jacobian`` is (instants, equations, coordinates).
+        It has no unit. Its sign tells the two assembly modes of a group apart; it is 0 where they meet. The first
+        column, the crank's, is 1. ``jacobian`` is (instants, equations, coordinates).
         """
         groups = [np.ones(len(jacobian))]
         for rows, columns in self.blocks:

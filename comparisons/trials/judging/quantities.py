@@ -105,7 +105,7 @@ class Quantity:
 
     @property
     def channels(self) -> frozenset[Channel]:
-        """The channels that an engine has to record for it."""
+        """The channels that an engine has to record for it, ``clock`` among them."""
         return self.also | {self.clock}
 
     def fits(self, case: Case) -> bool:
@@ -355,7 +355,7 @@ UNBOUNDED = "joint forces have no bound where the linkage passes its change poin
 
 
 class NoSampleError(ValueError):
-    """No sample of a run allows a comparison of a quantity."""
+    """No sample of a run allows a comparison of a quantity; the message says why."""
 
 
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Error) -> tuple[Error, Curve]:

@@ -86,7 +86,7 @@ class Error(NamedTuple):
 
     @property
     def run(self) -> RunName:
-        """The name of the run that it belongs to."""
+        """The name of the run that it belongs to: all names but the conditions."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
 
@@ -123,7 +123,7 @@ class RunRecord:
 
     @property
     def run(self) -> RunName:
-        """The name of the run within its study."""
+        """The name of the run within its study: all names but the conditions and the version."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
     @property

@@ -66,7 +66,7 @@ class Lost:
 
 
 class AdapterError(Exception):
-    """An adapter raised, or violated the contract; the message names the fault and its line."""
+    """An adapter raised, or violated the contract; the message names the fault and, of an exception, its line."""
 
 
 class _Named(Protocol):
@@ -121,7 +121,7 @@ def suite_error(error: BaseException) -> str:
 
 
 def _error_words(error: BaseException) -> str:
-    """An error's type and message on one line, cut to _LONGEST_MESSAGE characters."""
+    """An error's type and message on one line, "TYPE: MESSAGE", cut to _LONGEST_MESSAGE characters."""
     words = " ".join(str(error).split())
     return f"{type(error).__name__}: {words}"[:_LONGEST_MESSAGE].rstrip(": ")
 
@@ -224,7 +224,7 @@ def _requested_signals(history: History | None, model: Scene) -> Iterator[tuple[
 
 
 def _contract_faults(run: object, model: Scene) -> Iterator[str]:
-    """Yield every violation of the contract by a run, as "expected value, got actual value"."""
+    """Yield every violation of the contract by a run, as "VALUE, got VALUE", in words that follow "expected"."""
     if type(run) is not Run:
         yield f"a Run, got {_shown_value(run)}"
         return
@@ -248,7 +248,7 @@ def _contract_faults(run: object, model: Scene) -> Iterator[str]:
 
 
 def _history_faults(history: object, model: Scene) -> Iterator[str]:
-    """Yield violations of the contract by a finished run's history, as "expected, got" phrases.
+    """Yield violations of the contract by a finished run's history, in words that follow "expected".
 
     A signal that it lacks is none.
     """
@@ -263,7 +263,7 @@ def _history_faults(history: object, model: Scene) -> Iterator[str]:
 
 
 def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
-    """Yield the first violation of the contract by a signal, as an "expected, got" phrase.
+    """Yield the first violation of the contract by a signal, in words that follow "expected"; nothing without one.
 
     ``shapes`` are those that one sample may have.
     """

@@ -147,7 +147,7 @@ class Runs:
         return self._read("study", self.study)
 
     def _read(self, column: str, number: int) -> Iterator[tuple[dict[str, Any], Mapping[str, Curve]]]:
-        """Yield row and curves of the runs whose ``column``, id or study, has this number."""
+        """Yield row and curves of the runs whose ``column``, "id" or "study", has this number, as ``read`` has them."""
         mine, select = f"FROM errors WHERE run IN (SELECT id FROM runs WHERE {column} = ?)", self.connection.execute
         counts = {
             run: (count - checks, checks)
@@ -159,7 +159,7 @@ class Runs:
             yield {**json.loads(text), "errors": parts[0], "invariants": parts[1]}, _Curves(self.connection, run)
 
     def clear(self) -> None:
-        """Remove the study and all its runs from the file."""
+        """Remove the study and all its runs from the file; it is of no use afterwards."""
         with _transaction(self.connection):
             self.connection.execute("DELETE FROM studies WHERE id = ?", (self.study,))
         self._numbers.clear()
@@ -208,8 +208,8 @@ def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
 
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all else
     that decides its results, such as versions. ``command`` repeats it with every option. The runs of another request
-    are removed. As long as the runs live no other process may write into the folder. Raises LinkproofError for a folder
-    that another command has, or that cannot be used.
+    are removed; how it differed is its first other line, then and now. As long as the runs live no other process may
+    write into the folder. Raises LinkproofError for a folder that another command has, or that cannot be used.
     """
     lock, connection = claim(folder), _open(folder, to_write=True)
     _check_values(connection, folder)

@@ -131,7 +131,7 @@ class _Process:
     """A process of multiprocessing that is killed at once, with all that it has started."""
 
     def __init__(self, process: Any) -> None:  # noqa: ANN401 - each start has a class of its own
-        """Wrap a process that is not started yet, and mark it to end with this one."""
+        """Wrap a process of multiprocessing that is not started yet, and mark it to end with this one."""
         self._process = process
         process.daemon = True
 
@@ -303,7 +303,10 @@ def _unpickled_function(function: bytes) -> Callable[..., object]:
 
 @contextlib.contextmanager
 def _memory_bounded(memory: int) -> Iterator[None]:
-    """In the block, let the process add at most ``memory`` bytes of address space, if the system can bound it."""
+    """In the block, let the process add at most ``memory`` bytes of address space, if the system can bound it.
+
+    Afterwards the bound is as before.
+    """
     try:
         import resource  # noqa: PLC0415
 

@@ -218,7 +218,7 @@ class TaskList(Generic[R]):
     _finished: int = field(default=0, init=False)  # of those known
 
     def __post_init__(self) -> None:
-        """Take the finished runs, or keep runs in a file without a name."""
+        """Take the ``finished`` runs to add to, or keep runs in a file without a name."""
         self._runs = temporary_runs() if self.finished is None else self.finished
 
     def expect(self, tasks: Iterable[Task]) -> list[Task]:
@@ -263,7 +263,7 @@ class TaskList(Generic[R]):
         return [self.result(task.key) for task in tasks]
 
     def result(self, key: str) -> R:
-        """The result of a task that is finished, read back; raises KeyError for any other."""
+        """The result of a task that is finished, by its key, read back; raises KeyError for any other."""
         return self.decode(*self._runs.read(key))
 
     def has(self, key: str) -> bool:

@@ -66,9 +66,10 @@ class Border(NamedTuple):
         return cell_at(axes()[axis], row, self.middle, engine, usage)
 
     def is_wide(self, precision: float) -> bool:
-        """Whether a cell between both is worth a run: their ratio is over ``precision`` or, next to 0, the value large.
+        """Whether a cell between both values is worth a run: their ratio is over ``precision``.
 
-        It is not on an axis that is not to be narrowed, nor where the outside timed out or crashed.
+        Where the lower one is not positive, the higher one has to be over ``SMALLEST``. None is worth it on an axis
+        that is not to be narrowed, or where the outside timed out or crashed.
         """
         low, high = self.ends
         worth = axes()[self.inside.axis].narrow and self.outside.verdict not in BOUNDED
@@ -105,7 +106,7 @@ def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
 
 
 def _factor_between(first: float, second: float) -> float:
-    """The ratio of the larger value to the smaller; infinite beside zero or a negative value, 1 for two of these."""
+    """The ratio of the larger value to the smaller; infinite if one of them is not positive, 1 if neither is."""
     low, high = sorted((first, second))
     return math.inf if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)
 

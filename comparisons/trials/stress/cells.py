@@ -92,7 +92,7 @@ class Cell(RunRecord):
 
     @property
     def line(self) -> tuple[str, str, str, str]:
-        """Axis, row, engine and setting: the key that it shares with cells of other values."""
+        """Axis, row, engine and setting: the key that it shares with cells of other values on its line."""
         return (self.axis, self.row, self.engine, self.setting)
 
     @property
@@ -556,7 +556,7 @@ def _worst_first(errors: Iterable[Error]) -> list[Error]:
 
 
 def _alarm_words(check: Error, motion: ObservedMotion) -> str:
-    """The sentence of a check about a motion, with the instant and, for an open joint, the joint.
+    """The sentence of a check about a motion, with the instant, if known, and, for an open joint, the joint.
 
     Raises KeyError for a check without words in ``tables``.
     """

@@ -46,7 +46,7 @@ _WARM: set[str] = set()  # the engines this process has run
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
-    """The step, s, of which ``steps_per_turn`` make a turn at the crank's peak speed, for a case."""
+    """The step, s, of which ``steps_per_turn`` make a turn at the peak speed of a case's crank."""
     return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
 
 
@@ -147,16 +147,20 @@ def _family_errors(
 
 
 def _why_not_measured(quantity: Quantity, motion: ObservedMotion) -> str:
-    """The reason, in words, why the engine has no value of its own for a quantity; "" where it has one."""
+    """The reason why the engine has no value of its own for a quantity; "" where it has one.
+
+    It is "not offered" or "computed by the adapter".
+    """
     if quantity.lacking(motion):
         return "not offered"
     return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before, at a ``step``, s, so that it has imported all that it needs.
+    """Run an engine that this process has not run before, so that it has imported all that it needs.
 
-    Later calls for this engine do nothing. Its exceptions are ignored: the measured run need not raise them.
+    It runs by its first method at a ``step``, s, or, without methods, in ``tuned``; later calls for this engine do
+    nothing. Its exceptions are ignored: the measured run need not raise them.
     """
     if adapter.name in _WARM:
         return
@@ -418,9 +422,9 @@ class Rounds:
         return bool(before) and sum(run.total_seconds for run in before) < self.extent.patience
 
     def runs(self, sweep: PointSweep) -> Iterator[BenchRun]:
-        """Yield one run per measured point of a sweep, its times the shortest of the repeats.
+        """Yield one run per measured point of a sweep, its times, s, the shortest of its repeats, 0 without any.
 
-        An unmeasured sweep is shown by its first point, with the reason.
+        An unmeasured sweep is shown by its first point, timed out, with the reason.
         """
         if not sweep.measurements:
             late = Failure.TIMED_OUT.value
@@ -457,7 +461,7 @@ class Rounds:
 
 
 def _task_key(number: int, point: BenchRun) -> str:
-    """The key of a point's measurement in a round."""
+    """The key of a point's measurement in a round, from 0: "NUMBER KEY"."""
     return f"{number} {point.key}"
 
 
@@ -569,8 +573,8 @@ def _most_advanced(methods: Sequence[Method], *, extrapolated: bool) -> list[Met
 def blank_run(case: Case, name: str, usage: Setting | Method | None, steps_per_turn: float | None = None) -> BenchRun:
     """The run of a case in an engine by a ``usage``, a setting or a method at a step, before it is made.
 
-    ``name`` is the engine's; a ``usage`` of None is that of an engine that cannot be used. A method's step is that of
-    ``steps_per_turn``; None of a setting. Raises UnknownNameError.
+    ``name`` is the engine's; a ``usage`` of None is that of an engine that cannot be used. A method takes the step of
+    ``steps_per_turn``, a setting has None. Raises UnknownNameError for the engine.
     """
     adapter, method = engine(name), usage if isinstance(usage, Method) else None
     own = run_of(case, method.name if method else str(usage or ""), name, adapter.version() or "")

@@ -77,7 +77,7 @@ class BenchRun(RunRecord):
 
     @property
     def key(self) -> str:
-        """The key of the point, unique in the benchmark: the run's, and its step."""
+        """The key of the point, unique in the benchmark, as one text: the run's and, of a method, its step."""
         return super().key + ("" if self.step is None else f", step {self.step!r}")
 
     def columns(self, quantities: Sequence[str]) -> Iterator[dict[str, Any]]:
@@ -150,7 +150,7 @@ class Bench:
     def noise(self) -> float:
         """The share by which repeats of a point scatter: median over shortest less 1, in the median of all points.
 
-        It is 0 where no point has repeats.
+        It is 0 where no point has more than one repeat.
         """
         excess = [point.seconds_median / min(point.repeats) - 1.0 for point in self.points if len(point.repeats) > 1]
         return statistics.median(excess) if excess else 0.0
@@ -209,7 +209,7 @@ def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | N
 
 
 def theil_sen(x: Array, y: Array) -> float:
-    """Median of the slopes y over x between all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
+    """Median of the slopes of y over x, (n,) each, of all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
 
     SciPy's also works out a confidence interval, which costs ten times as much and is not wanted here.
     """
@@ -231,7 +231,7 @@ def _steady_slope(steps: Array, errors: Array) -> float | None:
 def still_improves(errors: Sequence[float]) -> bool:
     """Whether another refinement is worth its price; ``errors`` are those so far, coarse to fine.
 
-    It is not after two in a row that made the error no smaller by more than scatter.
+    It is not after two in a row that made the error no smaller by ``LEAST_GAIN``, which is more than scatter.
     """
     return len(errors) < LEAST_POINTS or min(errors[-2:]) * LEAST_GAIN < min(errors[:-2])
 
