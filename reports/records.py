@@ -103,7 +103,7 @@ class View:
         return frozenset(record.quantity for record in self.results.invariants)
 
     def title(self, quantity: str) -> str:
-        """The title of a quantity or an invariant, its symbol first if it has one, else its words.
+        """The title of a quantity or an invariant: its symbol, if it has one, then its words.
 
         A linear drive has words of its own for some.
         """

@@ -458,7 +458,10 @@ class Motion(SteadyMotion):
 
     @property
     def conditions(self) -> str:
-        """Speed, direction, times and angles in words, without gravity, which belongs to the linkages."""
+        """Speed, direction, times and angles in words, without gravity, which belongs to the linkages.
+
+        Of a swing both ends have to be given, else TypeError is raised.
+        """
         turns_back = self.turns_back
         if self.from_angle is not None and self.to_angle is not None:
             turns_back = self.to_angle < self.from_angle

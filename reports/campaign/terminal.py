@@ -77,7 +77,7 @@ def _details(runs: Iterable[RunRecord]) -> Iterator[str]:
 
 
 def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
-    """Yield the runs of each mechanism and regime, as a list with those of the control last.
+    """Yield the runs of each mechanism, variant and regime, as a list with those of the control last.
 
     Runs without errors are left out; those of one motion have to follow each other.
     """

@@ -49,6 +49,9 @@ def watch(
     MECHANISM is the path of a .toml file.
 
     The page is built anew when the file changes in an editor. The file is written only by a click on the page.
+
+    In Python ``opens`` says whether a browser is opened. Raises LinkproofError for an installed linkage, and where
+    there is no browser to open.
     """
     from reports import watch
 

@@ -44,7 +44,7 @@ class Destination(OutputOptions):
             check_saves(self.save, kind.suffixes, read, self.out)
 
     def _check_form(self) -> None:
-        """Raise LinkproofError for a wrong --decimal, and for --decimal or --figure without a file that takes it."""
+        """Raise LinkproofError for a --decimal other than . and , and for a comma or --figure without its file."""
         suffixes = {file.suffix.lower() for file in self.save}
         if self.decimal not in {".", ","}:
             raise LinkproofError(

@@ -184,7 +184,10 @@ class Check(Study):
         return dxf(self.linkage, positions_over_range(Mechanism(self.linkage)))
 
     def save(self, *files: str | Path, **form: Any) -> list[Path]:  # noqa: ANN401
-        """Write files and return their paths; of a linkage with a fault only its facts, before the fault is raised."""
+        """Write files and return their paths; of a linkage with a fault only its facts, as .json.
+
+        If that leaves a file out, the fault is raised. Raises LinkproofError for a file that cannot be written.
+        """
         facts = [file for file in files if Path(file).suffix.lower() == ".json"]
         super().save(*(facts if self.fault else files), **form)
         if self.fault and len(facts) < len(files):

@@ -58,7 +58,7 @@ class Study:
         return ()
 
     def sentence(self) -> Printed:
-        """The outcome in a sentence: the first brief part, or else the last closing line."""
+        """The outcome in a sentence: the first brief part, or else the last closing line; IndexError without either."""
         return next(iter(self.brief()), None) or self.printout().closing[-1]
 
     @property

@@ -51,7 +51,10 @@ def listed_engines(names: Sequence[str]) -> Listing:
 
 
 def _describe_engine(adapter: Engine) -> dict[str, Any]:
-    """The abilities and read-outs of an engine, and the reason if it cannot be used here; JSON-ready."""
+    """The abilities and read-outs of an engine, and as "unusable" the reason if it cannot be used here; JSON-ready.
+
+    That is "" if it can.
+    """
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else str(error)
     able = adapter.abilities

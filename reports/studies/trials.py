@@ -168,7 +168,7 @@ class Comparison(Trials):
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
     def rows(self) -> Sequence[Mapping[str, Any]]:
-        """The records as rows, JSON-ready."""
+        """The records as rows, a mapping per record with its run's place, times and steps, JSON-ready."""
         return [row for run in self.results.runs for row in run.rows(run.every)]
 
     @property
