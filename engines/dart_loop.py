@@ -1,4 +1,8 @@
-"""One pass in DART: bodies that move freely in the plane, joined by constraints that act on probes without weight."""
+"""One pass in DART: bodies that move freely in the plane, joined by constraints that act on probes without weight.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has one part of the motion, with its ``end``,
+s, and a number of ``samples``, ``ratio`` steps to a sample, and the ``channels`` to record.
+"""
 
 from typing import Any
 

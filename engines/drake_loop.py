@@ -1,4 +1,8 @@
-"""One pass in Drake: a discrete plant of bodies that move freely in the plane and are joined by constraints."""
+"""One pass in Drake: a discrete plant of bodies that move freely in the plane and are joined by constraints.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has one part of the motion, with its ``end``,
+s, and a number of ``samples``, ``ratio`` steps to a sample, and the ``channels`` to record.
+"""
 
 from typing import Any
 

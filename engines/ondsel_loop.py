@@ -1,4 +1,9 @@
-"""One pass in Ondsel: a simulation for each part of the motion, each from the poses in which the one before ended."""
+"""One pass in Ondsel: a simulation for each part of the motion, each from the poses in which the one before ended.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has ``parts`` of the motion, ``ratio`` steps
+to a sample, and the ``channels`` to record. A part has its ``start`` and ``end``, s, a number of ``samples``, and a
+``segment``: its own start, s, and φ's coefficients from then on, lowest power first.
+"""
 
 import math
 import os

@@ -5,6 +5,9 @@ forces and the change of the velocities over it are of its start. So a run that 
 reads velocities half-way between samples. It begins with bodies at rest, some steps before the start: in these the
 drive and the joints, closed at first, bring all bodies to the velocities that they are to have, and the joints open as
 far as steps of that length leave them. As shipped, everything is taken for that of the step's end.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has one part of the motion, with its ``end``,
+s, and a number of ``samples``, ``ratio`` steps to a sample, and the ``channels`` to record.
 """
 
 from functools import partial

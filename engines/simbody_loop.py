@@ -1,4 +1,9 @@
-"""One pass in Simbody, through OpenSim: a manager for each part of the motion, from where the one before ended."""
+"""One pass in Simbody, through OpenSim: a manager for each part of the motion, from where the one before ended.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has ``parts`` of the motion, ``ratio`` steps
+to a sample, and the ``channels`` to record. A part has its ``start`` and ``end``, s, a number of ``samples``, and a
+``segment``: its own start, s, and φ's coefficients from then on, lowest power first, or None for a free driver.
+"""
 
 from collections.abc import Iterator
 from typing import Any

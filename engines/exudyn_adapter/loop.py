@@ -5,6 +5,11 @@ turn; any rule has to be given an acceleration that jumps. Where the crank is pr
 coordinates q, which the static solver finds to rounding; from their differences between angles near by follow
 
     q̇ = q' φ̇,    q̈ = q'' φ̇² + q' φ̈.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has ``parts`` of the motion, ``ratio`` steps
+to a sample, the ``channels`` to record and ``details`` to report in. A part has its ``start`` and ``end``, s, a number
+of ``samples``, and a ``segment``: its own start, s, and φ's coefficients from then on, lowest power first, or None for
+a free driver.
 """
 
 import cmath

@@ -3,6 +3,10 @@
 MJX calls nothing back at the stages of a step, as C MuJoCo does for its drive. A clock drives instead: a body too heavy
 to be held up, set at every step to where the motion is then, which the driven joint has to follow. Loads are set at
 every sample, at the state that is read.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has ``parts`` of the motion, ``ratio`` steps
+to a sample, the ``channels`` to record and ``details`` to report in. A part has its ``start`` and ``end``, s, a number
+of ``samples``, and a ``segment``: its own start, s, and φ's coefficients from then on, lowest power first.
 """
 
 from abc import ABC, abstractmethod

@@ -10,6 +10,9 @@ velocities. Velocities at that instant lie half a step ahead of the last ones kn
 two, 1.5 v₁ − 0.5 v₂: dampers are of second order. Constant torques are set once, since a step of pymunk takes about as
 long as ten of its properties. A newcomer's run, which is not ``centred``, sets what holds now,
 leaves damping to pymunk and takes every read-out for that of the step's end.
+
+Data are the adapter's ``model``, in SI or the scene's own units. A course has one part of the motion, with its ``end``,
+s, and a number of ``samples``, ``ratio`` steps to a sample, the ``channels`` to record and ``details`` to report in.
 """
 
 import math

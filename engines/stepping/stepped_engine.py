@@ -286,19 +286,6 @@ class SteppedEngine(ABC, Generic[World, R]):
 
 
 # An engine whose build and steps are a module of their own, which ``compare --script`` can write down as it is.
-#
-# The module, the adapter's *loop*, imports NumPy and its engine alone and takes plain data: numbers, text, None, and
-# lists, tuples and dictionaries of these. It has two functions, both of which raise ArithmeticError, with the reason,
-# for what the engine refuses or gives up:
-#
-# * ``build(model)``: the engine's own model in its start state, from what the adapter's ``model`` describes;
-# * ``follow(world, course)``: one pass through it; returns times and values by channel, forces by joint under
-#   ``"joint_force"``, as :class:`engines.contract.History` has them.
-#
-# A course has ``parts``, the steps ``ratio`` to a sample, the ``channels`` to record, and ``details``
-# for what a loop reports. A part has ``start``, ``end``, ``samples``, ``after_jump`` and its
-# ``segment`` of the motion: when that starts and the polynomial of the driver's coordinate from then on, lowest power
-# first; None for a free driver.
 
 
 # A law over φ in plain data: its components, or its knots, the cubics from each on, and its period, rad, 0 of a travel.
@@ -306,7 +293,20 @@ PlainLaw = list[float] | tuple[list[float], list[Any], float]
 
 
 class LoopEngine(SteppedEngine[Any, R]):
-    """An adapter that describes a scene in plain data; ``loop`` names the module that runs it."""
+    """An adapter that describes a scene in plain data; ``loop`` names the module that runs it.
+
+    The module imports NumPy and its engine alone and takes plain data: numbers, text, None, and lists, tuples and
+    dictionaries of these. It has two functions, both of which raise ArithmeticError, with the reason, for what the
+    engine refuses or gives up:
+
+    * ``build(model)``: the engine's own model in its start state, from what the adapter's ``model`` describes;
+    * ``follow(world, course)``: one pass through it; returns times and values by channel, forces by joint under
+      ``"joint_force"``, as :class:`engines.contract.History` has them.
+
+    A course has ``parts``, the steps ``ratio`` to a sample, the ``channels`` to record, and ``details`` for what a loop
+    reports. A part has ``start``, ``end``, ``samples``, ``after_jump`` and its ``segment`` of the motion: when that
+    starts and the polynomial of the driver's coordinate from then on, lowest power first; None for a free driver.
+    """
 
     loop: ClassVar[str]
 
