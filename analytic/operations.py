@@ -214,10 +214,10 @@ class Traced(NDArrayOperatorsMixin):
         raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
 
     def looked_up(self, law: Law, order: int) -> list[Traced]:
-        """Components of a law at this number, as a list, or of its derivative of an ``order``.
+        """Components of a law, which has a table, at this number, as a list, or of its derivative of an ``order``.
 
-        Of a law over φ they are inputs, (law, order, component), added to the list; one over S, which the list
-        computes, they are computed by it, too, without derivatives.
+        Of a law over φ they are inputs, (law, order, component), added to the list. A law over S is computed in the
+        list by its formula, value only: ``order`` has to be 0 there and is not looked at.
         """
         if getattr(law, "over", "phi") == "S":
             return law.formula(self)  # type: ignore[attr-defined,no-any-return]

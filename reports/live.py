@@ -69,7 +69,8 @@ def templates(linkage: Linkage, names: Iterable[str]) -> list[FileTemplate]:
 def _file_template(text: str, places: Mapping[str, Keys], names: Iterable[str]) -> FileTemplate:
     """The text of a file as a template of these numbers, whose ``places`` are given, the keys down to each.
 
-    Those that the file lacks are left out. Raises KeyError for a name without a place.
+    Those that the file lacks, or has in another form than a plain number, are left out. Raises KeyError for a name
+    without a place.
     """
     import tomlkit  # noqa: PLC0415 - only a page that can be pulled at pays for it
     from tomlkit.items import Float, Integer, Trivia  # noqa: PLC0415

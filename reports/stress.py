@@ -135,7 +135,7 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 def cell_facts(result: Cell) -> dict[str, str]:
     """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions.
 
-    Those without words are left out.
+    Of a cell that is not wrong, the reason of its verdict comes first. Those without words are left out.
     """
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {

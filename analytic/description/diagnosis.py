@@ -122,9 +122,9 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
 
 
 def _most_telling_fault(faults: Sequence[ErrorDetails]) -> ErrorDetails:
-    """The fault to report: the deepest of the first wrong value, which may fail several alternative forms.
+    """The fault to report, of one or more: the deepest of the first wrong value, which may fail several forms.
 
-    An unknown key beside a missing key is taken for a misspelling of it.
+    Where that is a missing key beside an unknown one, a misspelling of it, the fault of the unknown key is returned.
     """
     first = _keys(faults[0])
     deepest = max((f for f in faults if _keys(f)[: len(first)] == first), key=lambda fault: len(_keys(fault)))

@@ -300,7 +300,7 @@ class GroupSolver:
         return tuple(np.ravel(np.broadcast_to(np.asarray(part, dtype=float), self.shape or count)) for part in parts)
 
     def _shaped(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
-        """The numbers of a pose or a rate, each in the shape of φ."""
+        """The numbers of a pose or a rate, arrays (n,) over all φ, as a tuple, each reshaped to the shape of φ."""
         return tuple(part.reshape(self.shape) for part in parts)
 
     def margin(self) -> Scalar:

@@ -114,7 +114,7 @@ class ClosedGroup(ABC):
     @property
     @abstractmethod
     def links(self) -> tuple[str, ...]:
-        """Names of the links that the group places."""
+        """Names of the links that the group places, a pin in a slot by its massless slider, which is no link."""
 
     @property
     @abstractmethod

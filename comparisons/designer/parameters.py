@@ -268,7 +268,7 @@ class SteadyCase:
     def open_ends(self, figures: Sequence[NamedFigure]) -> OpenEndFigures:
         """The figures whose extremes lie at an end of the motion beside a dead position, in the case's own design.
 
-        There they say no more than where the motion is cut off. None over a full turn.
+        There they say no more than where the motion is cut off. A full turn has no such ends: no names and "".
         """
         ends = () if self.is_full_turn else open_ends(self.mechanism, self.places[0], self.places[-1])
         tops = {each.name: self._tops(each) for each in figures} if ends else {}

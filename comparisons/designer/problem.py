@@ -173,9 +173,10 @@ class LocalMaxima:
 
 
 def _bracket_top(window: SampleWindow, values: Array) -> Array:
-    """Three neighbouring samples, by index, ascending, around the window's highest one of ``values`` over the grid.
+    """Three neighbouring samples, by index, ascending, with the window's highest one of ``values`` over the grid.
 
-    As in the window, an index may lie beyond the grid.
+    It is the middle one, unless it lies at an end of the window, which has three samples or more and is not left. As
+    in the window, an index may lie beyond the grid.
     """
     samples = np.arange(window.first, window.last + 1)
     top = int(samples[int(np.argmax(values[samples % len(values)]))])

@@ -171,7 +171,10 @@ class SignalVerdict(Evidence):
         )
 
     def curve(self, motion: DriverMotion) -> NDArray[np.float32]:
-        """The thinned curve of the signal, (4, samples), as a campaign stores it: time, φ, closed form, error; SI."""
+        """The thinned curve of the signal, (4, samples), as a campaign stores it: time, φ, closed form, error; SI.
+
+        The error is signed: the file less the closed form.
+        """
         return stored_curve(self.time, motion.angle(self.time), self.truth, self.values - self.truth)
 
     def record(self, blank: Error) -> Error:

@@ -131,7 +131,8 @@ class Simulation:
     def _truth(self, time: Array, clock: bytes) -> Truth:
         """The closed form at times (n,), s.
 
-        ``clock`` are their bytes, by which its sweep is kept, as one of a few, for other simulations.
+        ``clock`` are their bytes, by which its sweep is kept for simulations with the same motion and other masses and
+        loads: that of the first MOST_KEPT clocks of at most LONGEST_KEPT times.
         """
         truth = Truth(self.mechanism, self.motion, time)
         if clock in self._sweeps:

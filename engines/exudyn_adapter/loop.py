@@ -284,7 +284,8 @@ def at_angle(world: ExudynWorld, guess: Array, angle: float) -> Array:
 def start(world: ExudynWorld, part: Data, details: Data, *, first: bool) -> None:
     """Set the drive and the start state of a part: the scene's in the ``first``, else one near the state reached.
 
-    ``details`` counts the fresh starts, and those that were left out.
+    Where there is none that fits the joints, the part goes on from the state reached. ``details`` counts both, in
+    place, as ``fresh_starts`` and ``fresh_starts_left_out``. A free driver's drive is not set.
     """
     state, data = tuple(map(np.array, world.given["states"])), world.mbs.systemData
     if not first:

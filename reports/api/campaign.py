@@ -419,8 +419,8 @@ def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[st
 def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> StabilityMaps:
     """Make the maps, or the single cells, that the call of a ``function`` asks for, and return the study.
 
-    ``given`` are its arguments by name; its folder, if it names one, keeps the runs of maps. Raises LinkproofError for
-    bad input before any run.
+    ``given`` are its arguments by name, those of ``stress``. A folder keeps the runs of maps; cells, which name their
+    engine and setting, take none. Raises LinkproofError for bad input before any run.
     """
     if given["jobs"] is not None and given["jobs"] < 1:
         raise LinkproofError(
@@ -434,8 +434,9 @@ def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> St
             raise LinkproofError(
                 "expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind"
             )
-        if given["out"] is not None:
-            raise LinkproofError("--out takes whole maps: name axes, or leave it out")
+        for option in ("engine", "setting", "quick", "out"):
+            if given[option]:
+                raise LinkproofError(f"--{option} takes whole maps: name axes, or leave it out")
         with closing(worker_pool(bounds)) as pool:
             made = make_maps([find_cell(name) for name in named], command, narrow=False, pool=pool)
         return StabilityMaps(made, are_cells=True)

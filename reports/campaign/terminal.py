@@ -86,7 +86,7 @@ def _by_motion(runs: Iterable[RunRecord]) -> Iterator[list[RunRecord]]:
 
 
 def _counts(changes: Sequence[Change]) -> list[str]:
-    """How many results fail as changed since they were recorded, by kind, as one line; [] without any."""
+    """How many results fail as changed since they were recorded, by kind, as one line; [] where none fails."""
     counts = Counter(entry.kind for entry in changes if entry.fails)
     return [f"not as recorded: {', '.join(f'{count} {kind}' for kind, count in counts.items())}"] if counts else []
 

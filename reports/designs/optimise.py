@@ -164,7 +164,10 @@ class Optimisation(Study):
         }
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - a DataFrame
-        """A DataFrame of numbers and figures in the file's units, with a row before and a row after."""
+        """A DataFrame of numbers and figures in the file's units, with a row before and a row after.
+
+        Raises AssemblyError as ``toml`` does.
+        """
         return self.dataset.to_dataframe().reset_index()
 
     def plot(self) -> Figure:

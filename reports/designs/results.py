@@ -183,7 +183,10 @@ def _key_figures(sheet: Sheet) -> Iterator[Table]:
 
 
 def _at_instants(sheet: Sheet) -> list[Table]:
-    """The tables of all signals at the chosen instants: crank and output, points, links, joints; none without rows."""
+    """The tables at the chosen instants: crank and output, points, links, joint forces, the shaking force.
+
+    Tables without rows are left out. Transmission angles and the shaking moment are in none.
+    """
     tables = [_instants_table(sheet, [name for name in names if name in sheet.values]) for names in DRIVE_COLUMNS]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _part_tables(sheet, kind, head)

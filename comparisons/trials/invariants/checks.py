@@ -39,7 +39,7 @@ from analytic.numerics.arrays import Array
 from comparisons.motion.case import Case
 from comparisons.trials.invariants.inspection import TINY, AssurGroup, Inspection, speed_errors, undissipated_error
 from comparisons.trials.judging.limits import judge
-from comparisons.trials.judging.quantities import UNBOUNDED, near_jumps
+from comparisons.trials.judging.quantities import UNBOUNDED, has_two_values
 from comparisons.trials.judging.records import Error, Verdict
 from comparisons.trials.observed_motion import (
     DENSE,
@@ -415,9 +415,10 @@ def _is_switched(scene: Scene) -> bool:
 
 
 def assur_groups(mechanism: Mechanism) -> list[AssurGroup]:
-    """The Assur groups of a linkage, which follow from its joints, with change points, which do from lengths.
+    """The Assur groups of a linkage, in an order in which they can be solved, without massless sliders of slots.
 
-    They are in an order in which they can be solved.
+    The groups follow from the joints alone; their change points follow from lengths, and only groups that are solved
+    in closed form have any.
     """
     groups, links = list[AssurGroup](), mechanism.linkage.links
     for group in mechanism.structure.groups:
@@ -453,8 +454,8 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 
 
 def _without_jumps(case: Case, signal: Signal) -> Signal:
-    """A signal without its samples in the windows at acceleration jumps, where the true value is not unique."""
-    smooth = ~near_jumps(signal.time, case.motion)
+    """A signal without its samples at jumps of the acceleration or of loads, where the true value is not unique."""
+    smooth = ~has_two_values(case, signal.time)
     return Signal(signal.time[smooth], signal.values[smooth])
 
 

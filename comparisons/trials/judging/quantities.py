@@ -337,8 +337,14 @@ def near_jumps(time: Array, motion: DriverMotion) -> Booleans:
 
 
 def has_two_values(case: Case, time: Array) -> Booleans:
-    """Which of the times (n,), s, lie at a jump of the acceleration, of friction or of a load that acts one way."""
-    return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time))
+    """Which of the times (n,), s, lie at a jump of the acceleration, of friction or of a load that acts one way, (n,).
+
+    A driver at rest has no direction, so that friction and such loads have two values there, too.
+    """
+    linkage = case.mechanism.linkage
+    is_directed = bool(linkage.friction) or any(law.when for law in linkage.laws)
+    at_rest = is_directed & (case.motion.speed(time) == 0.0)
+    return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time)) | at_rest
 
 
 def near_jump(time: Array, motion: DriverMotion, jump: float) -> Booleans:

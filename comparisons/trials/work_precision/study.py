@@ -18,6 +18,7 @@ from itertools import groupby
 from pkgutil import resolve_name
 from typing import Any
 
+from analytic.description.linkage import DriverKind
 from comparisons.motion.case import Case, unpickle_case
 from comparisons.trials.judging.quantities import (
     JOINT_FORCE,
@@ -36,6 +37,7 @@ from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.workers import ONE_BY_ONE, Announce, Pool, Task, TaskList
 from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, still_improves
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
+from engines.mechanics.joints import scene_size
 from engines.registry import why_unavailable
 from engines.scene import Channel, Scene
 
@@ -46,8 +48,13 @@ _WARM: set[str] = set()  # the engines this process has run
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
-    """The step, s, of which ``steps_per_turn`` make a turn at the peak speed of a case's crank."""
-    return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
+    """The step, s, of which ``steps_per_turn`` make a turn at the peak speed of a case's crank, which has to move.
+
+    Of a linear driver a travel of the scene's size counts as a turn, as in the recipes of engines.
+    """
+    scene = case.scene(())
+    turn = 2.0 * math.pi if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
+    return turn / (case.motion.peak_speed * steps_per_turn)
 
 
 def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, crank_motion
@@ -47,6 +47,7 @@ JUKI = "juki-mf7923d"
 
 TESTED = sorted(str(path) for path in (Path(__file__).parents[3] / "linkages").glob("*.toml"))
 TURNING = [*catalogue(), *(path for path in TESTED if "parallelogram" not in path)]
+PRESS = next(path for path in TURNING if "laden-press" in path)
 SOME = [JUKI, *(pytest.param(name, marks=pytest.mark.nightly) for name in ("rimoldi-164", "slotted-takeup"))]
 
 
@@ -97,6 +98,7 @@ def test_a_true_motion_raises_no_alarm(name):
     start_angle=st.floats(-3.0, 3.0),
     count=st.integers(900, 1500),
 )
+@example(name=PRESS, regime="run-up-cubic", speed=1.0, start_angle=-1.0, count=900)  # one-way loads, at rest
 def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, count):
     motion = crank_motion(regime, speed=speed, start_angle=start_angle, ramp_time=60.0 / speed, hold_time=10.0 / speed)
     one = Case(mechanism(name), motion)

@@ -167,6 +167,7 @@ def _unhurried(monkeypatch):
         (("--jobs", "0"), "--jobs"),
         (("start", "--engine", "direct", "--setting", "no such", "--quick"), "no stability run matches no such"),
         ((CELL, "--out", "out"), "--out takes whole maps"),
+        ((CELL, "--setting", "tuned"), "--setting takes whole maps"),
     ],
 )
 def test_bad_input_is_refused_before_any_cell_is_made(options, words, monkeypatch, tmp_path):
