@@ -63,7 +63,10 @@ def quick(command):
     found, name = words(command)
     if name == "compare":
         command = command.replace(" slotted-takeup", " brief.toml").replace(" --engine pymunk --engine simbody", "")
-    if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
+    is_cell = "/" in command  # of a stability map, which names its engine
+    if (name in LONG and not is_cell) or (
+        name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)
+    ):
         command += " --engine direct"
         return command.replace("compare --", "compare juki-mf7923d --").replace("speed start jump", "start")
     return command
