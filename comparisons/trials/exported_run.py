@@ -56,7 +56,7 @@ def exported(case: Case, engine_name: str, setting: Setting, command: str) -> st
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
-    """Largest errors of a ``history`` from the closed form: for each channel one of places and one of angles, or one.
+    """Largest errors of a ``history`` from the closed form, one a channel; of places and of angles one each.
 
     Channels that it lacks, or that have no true value at some instant, as in a dead position, are left out.
     """

@@ -37,7 +37,8 @@ SHARP_POINTS = 16  # samples beside a place whose value is the zero of all other
 class ObservedMotion:
     """The history of one run beside the scene that made it; arrays are (samples, ...) on the given clock.
 
-    Bodies are in the scene's order, the ground behind them.
+    Bodies are in the scene's order, the ground behind them. What rests on a channel that was not recorded raises
+    AssertionError, and ValueError what is read between fewer than six samples of a motion without jumps.
     """
 
     scene: Scene
@@ -91,8 +92,8 @@ class ObservedMotion:
     def last_turn(self) -> slice | None:
         """The slice of the position's samples in the crank's last full turn in one direction.
 
-        None without one, or with fewer than DENSE samples, between which interpolation would add an error that is not
-        the engine's.
+        None without one, of a linear driver, or with fewer than DENSE samples, between which interpolation would add an
+        error that is not the engine's.
         """
         if self.is_linear:
             return None

@@ -159,7 +159,8 @@ def judged(
     """Make the run of a pickled case in an engine, in a worker, and judge these quantities by the suite's limits.
 
     ``names`` are those of quantities, () all that the case has. With it go the invariants, if wanted. A run that gives
-    no motion has its outcome and reason in each quantity. Raises AdapterError for what the adapter raises.
+    no motion has its outcome and reason in each quantity. Raises AdapterError for what the adapter raises,
+    LinkproofError for a quantity that the case lacks or of which the closed form has no value.
     """
     case, adapter = unpickle_case(pickled), engine(engine_name)
     quantities = chosen_quantities(case, names)
@@ -193,7 +194,8 @@ def compared(
     """A copy of the run with the errors of its motion in these quantities and, if asked for, its invariants.
 
     They are judged by the suite's limits; a quantity that cannot be judged has the reason. The curves of the quantities
-    go with them. ``run`` gives the names; ``adapter`` is asked whether it is a control, and what it offers.
+    go with them. ``run`` gives the names; ``adapter`` is asked whether it is a control, and what it offers. Raises
+    LinkproofError where the closed form has no value of a quantity.
     """
     blank = run.blank._replace(origin=CONTROL if adapter.is_control else "")
     found = [_compare_quantity(case, quantity, motion, blank, adapter) for quantity in quantities]
@@ -218,8 +220,10 @@ def _compare_quantity(
 ) -> tuple[Error, Curve | None]:
     """A quantity's error, judged by the suite's limits, and its curve.
 
-    The curve is None where the run has no sample of the quantity; the error's outcome and detail say why. The origin is
-    that of the ``blank`` record, if it has one, or the engine's own.
+    The curve is None where the run has no sample of the quantity to judge; the error's outcome and detail say why:
+    NOT_PROVIDED what the engine does not offer, ADAPTER_ERROR what it offers and was not recorded, else UNDEFINED. The
+    origin is that of the ``blank`` record, if it has one, or the engine's own. Raises LinkproofError where the closed
+    form has no value.
     """
     blank = blank._replace(quantity=quantity.name, unit=quantity.unit)
     lacking = quantity.lacking(motion)

@@ -115,7 +115,10 @@ def _load_rows(folder: Path) -> tuple[CaseRow, ...]:
 
 
 def _case_of_row(row: CaseRow) -> Case:
-    """The case that a row saved, a released crank's motion anew; raises DescriptionError for a damaged text."""
+    """The case that a row saved, a released crank's motion anew; raises DescriptionError for a damaged text.
+
+    Raises KeyError for a released regime that the text does not have.
+    """
     mechanism = Mechanism(described_linkage(row["linkage"]))
     if row["motion"] is not None:
         return Case(mechanism, described_motion(row["motion"]), conditions=row["conditions"])

@@ -43,9 +43,10 @@ def figures_of_case(case: Case) -> list[Error]:
 def key_figures(case: Case) -> dict[str, float]:
     """Key figures of a case over its motion, SI, by name; those that it lacks or that are not finite are left out.
 
-    A name is one of ``comparisons.designer.figures``. ``output:point:x@0s``, ``output:direction:x`` and
-    ``thread:length@0s`` are no figures of a signal: which point is the output, its direction, and the length of the
-    thread.
+    They are ``USUAL_FIGURES`` and the places of moving points at the start, by the names of
+    ``comparisons.designer.figures``, and three that are no figures of a signal: ``output:point:x@0s``,
+    ``output:direction:x`` (y as well) and ``thread:length@0s`` are which point is the output, its direction, and the
+    length of the thread.
     """
     mechanism, curves = case.mechanism, Curves(case)
     points = [f"point:{point}:{axis}@0s" for point in moving_points(mechanism.linkage) for axis in "xy"]
@@ -103,7 +104,7 @@ def changes_since(
 ) -> tuple[Change, ...]:
     """The changes from rows ``before`` to those ``now``, of those results that a request asks for.
 
-    They are in the order of the rows' names; ``every_variant`` is as for ``asked_rows``.
+    They are in the order of the rows' names; ``every_variant`` and the errors raised are as for ``asked_rows``.
     """
     is_asked = asked_rows(request, every_variant=every_variant)
     return tuple(changes(filter(is_asked, before), filter(is_asked, now)))
@@ -115,7 +116,7 @@ def asked_rows(request: CampaignRequest, *, every_variant: bool = False) -> Call
     A linkage that it does not name is asked for, since its file may be deleted or renamed, and so is a motion with and
     without gravity, which is the linkage's. Naive settings decide nothing beside others, and are left out there. A
     regime of a linkage's own file is the same whatever its conditions are. ``every_variant`` asks for the closed form's
-    other variants, too.
+    other variants, too. Raises what ``each_case`` raises.
     """
     variants = {linkage.name: linkage.variant for linkage in request.linkages}
     motions = {(case.motion.regime, _without_gravity(case.conditions)) for case in each_case(request)}

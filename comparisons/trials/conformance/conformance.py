@@ -54,7 +54,7 @@ def check_channel(channel: Channel, trial: EngineTrial) -> None:
     """Raise AssertionError where a channel of a sample is off the closed form by more than the limit of ``tuned``.
 
     So too where a sample's run does not finish or has not recorded it. Raises NotTestedError if the engine does not
-    offer it, or no sample has it.
+    offer it or take the plain sample, or no sample has it, AdapterError where the adapter raises.
     """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
@@ -102,7 +102,7 @@ def check_samples(trial: EngineTrial) -> None:
     """Raise AssertionError unless sample times increase, none beyond the motion's end, densely enough to read between.
 
     That is ``DENSE`` samples per turn of the peak speed. Raises NotTestedError where the engine does not take the plain
-    sample.
+    sample, AssertionError also where a run does not finish, AdapterError where the adapter raises.
     """
     for sample, scene, history in trial.histories():
         motion = case(sample).motion
@@ -170,7 +170,8 @@ def check_refusals(trial: EngineTrial) -> None:
 def check_claims(trial: EngineTrial) -> None:
     """Raise AssertionError unless every sample within its abilities is run to its end.
 
-    Raises NotTestedError, with the reasons, if it refuses some for reasons that its abilities cannot state.
+    Raises NotTestedError, with the reasons, if it refuses some for reasons that its abilities cannot state,
+    AdapterError where the adapter raises.
     """
     refused = []
     for sample in SAMPLES:
@@ -227,7 +228,7 @@ def check_bad_data(trial: EngineTrial) -> None:
 def check_recording(trial: EngineTrial) -> None:
     """Raise AssertionError unless exactly the requested and offered channels are recorded, and this changes no step.
 
-    Each channel is requested alone, of the plain sample in ``tuned``.
+    Each channel is requested alone, of the plain sample in ``tuned``. Raises AdapterError where the adapter raises.
     """
     steps = trial.run(PLAIN).steps
     for channel in Channel:
@@ -249,7 +250,7 @@ def check_recording(trial: EngineTrial) -> None:
 def check_repetition(trial: EngineTrial) -> None:
     """Raise AssertionError unless two runs of the plain sample in ``tuned`` agree to the last bit.
 
-    Raises NotTestedError where the engine has no such run.
+    Raises NotTestedError where the engine has no such run, AdapterError where the adapter raises.
     """
     first, second = trial.finished_history(PLAIN), run_engine(trial.engine, scene_of(PLAIN), Setting.TUNED).history
     assert second is not None, "expected a second run to finish, as the first one does: build the world anew"
@@ -264,7 +265,7 @@ def check_repetition(trial: EngineTrial) -> None:
 def check_settings(trial: EngineTrial) -> None:
     """Raise AssertionError unless every setting that is claimed runs to its end under every drive that is claimed.
 
-    The drives are those of the plain and of the released sample.
+    The drives are those of the plain and of the released sample. Raises AdapterError where the adapter raises.
     """
     for sample in (sample for sample in (PLAIN, "released") if trial.obstacle(sample) is None):
         for setting in sorted(trial.engine.abilities.settings):
@@ -276,9 +277,10 @@ def check_settings(trial: EngineTrial) -> None:
 
 
 def check_origins(trial: EngineTrial) -> None:
-    """Raise AssertionError unless ``naive`` and ``tuned`` are one run each, with origins to match.
+    """Raise AssertionError unless ``naive`` and ``tuned`` are one run each, with origins to match, on the plain sample.
 
-    Values of several runs must not be labelled as read, nor those of one as extrapolated.
+    Values of several runs must not be labelled as read, nor those of one as extrapolated. Raises AdapterError where the
+    adapter raises.
     """
     for setting in sorted(trial.engine.abilities.settings):
         run, is_single = trial.run(PLAIN, setting), setting is not Setting.BEST
@@ -301,7 +303,8 @@ def check_origins(trial: EngineTrial) -> None:
 def check_silence(trial: EngineTrial) -> None:
     """Raise AssertionError if a run, made or refused, writes to standard output or error, be it by C code.
 
-    What it writes is caught and not shown.
+    What it writes is caught and not shown. The made one is of the plain sample; raises AdapterError where the adapter
+    raises in it.
     """
     with tempfile.NamedTemporaryFile("a+") as written:
         with silenced(written.name), redirect_stdout(written), redirect_stderr(written):
@@ -396,7 +399,7 @@ def _check_result(name: str, result: CheckResult | Lost) -> CheckResult:
 def with_expected(result: CheckResult, expected: Mapping[str, str]) -> CheckResult:
     """The result, as an expected failure if its check is in ``expected``; one there that passes becomes a failure.
 
-    ``expected`` has the reasons by the checks' names.
+    ``expected`` has the reasons by the checks' names. Any other result, one not tested too, comes back itself.
     """
     reason = expected.get(result.check)
     if reason is None:

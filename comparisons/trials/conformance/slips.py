@@ -192,8 +192,9 @@ class Mutant:
     def check(self, trial: EngineTrial) -> None:
         """Raise AssertionError unless the fault fails a row that the engine itself passes, the ``row`` if one is named.
 
-        A run that gives up shows the fault, too. Raises NotTestedError where the fault cannot be planted or its row is
-        not judged.
+        A run that gives up shows the fault, too. Raises AssertionError also where the engine's own run does not finish,
+        NotTestedError where that run or the fault cannot be had or its row is not judged, AdapterError where the
+        adapter raises.
         """
         right, wrong = trial.rows(self.sample, self.setting), self.wrong(trial)
         if self.row and self.row not in right:
@@ -230,7 +231,7 @@ def history_with(
 def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
     """The engine's history of a sample if it builds its worlds from the ``wrong`` case instead; None if it gives up.
 
-    Raises NotTestedError where the engine builds them in no method ``altered``.
+    Raises NotTestedError where the engine builds them in no method ``altered``, AdapterError where the adapter raises.
     """
     return history_with(trial, "altered", lambda scene: wrong.scene(scene.channels), sample)
 
@@ -247,7 +248,8 @@ def _started(sample: str, kept: float, moved: float, trial: EngineTrial) -> Hist
     """The engine's history if bodies start with ``kept`` of their velocity and what ``moved`` steps add.
 
     Both are shares: of the right velocity, and of the step, over which the start accelerations act. None if it gives
-    up. Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive.
+    up. Raises NotTestedError where these change nothing, as in an engine that takes them from its joints and drive, and
+    what ``history_with`` and ``EngineTrial.finished_history`` raise.
     """
     step = moved * min(trial.run(sample).passes, default=0.0)
 
@@ -293,7 +295,7 @@ def _with_late_start(signal: Signal) -> Array:
 def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], trial: EngineTrial) -> History:
     """The engine's own history of a sample, with a channel altered by a ``slip``, which makes values of a signal.
 
-    Raises NotTestedError without the channel.
+    Raises NotTestedError without the channel, and what ``EngineTrial.finished_history`` raises.
     """
     if channel not in trial.engine.abilities.readouts:
         raise NotTestedError(f"{trial.engine.name} offers no {channel.value}")
@@ -305,8 +307,9 @@ def _misread(sample: str, channel: Channel, slip: Callable[[Signal], Array], tri
 def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
     """The engine's history with its runs at several steps combined by the weights of ``weigh``; None if it gives up.
 
-    ``weigh(steps, orders)`` gives a weight to each run from the runs' steps, s, and the orders of their errors. Raises
-    NotTestedError where its best setting is one run.
+    It is that of the plain sample in ``best``. ``weigh(steps, orders)`` gives a weight to each run from the runs'
+    steps, s, and the orders of their errors. Raises NotTestedError where its best setting is one run, and what
+    ``history_with`` and ``EngineTrial.finished_history`` raise.
     """
     trial.finished_history(PLAIN, Setting.BEST)
     if len(trial.run(PLAIN, Setting.BEST).passes) < 2:

@@ -155,7 +155,7 @@ ALL_CHANNELS: frozenset[Channel] = frozenset(Channel)
 
 
 def scene_of(sample: str) -> Scene:
-    """The scene of a sample by name, with all channels requested."""
+    """The scene of a sample by name, with all channels requested; raises KeyError for another name."""
     return case(sample).scene(ALL_CHANNELS)
 
 
@@ -211,7 +211,8 @@ class EngineTrial:
     def histories(self) -> Iterator[tuple[str, Scene, History]]:
         """Yield name, scene and history of each sample that the engine takes, in ``tuned``.
 
-        Raises NotTestedError where the plain one is not among them, AssertionError where a run does not finish.
+        Raises NotTestedError where the plain one is not among them, AssertionError where a run does not finish,
+        AdapterError where the adapter raises.
         """
         for sample in SAMPLES:
             try:

@@ -20,7 +20,8 @@ complete: what passes them all is the motion of the scene, short of what their l
   before anything is judged (``comparisons.trials.runs.run_engine``).
 
 ``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion. The joints' equations and the
-loads are those of ``engines.mechanics``, shared with ``direct``: no formula is shared with the closed form.
+loads are those of ``engines.mechanics``, shared with ``direct``: no formula is shared with the closed form. A check
+whose channels were not recorded is left to ``checks`` to refuse; its function raises AssertionError.
 """
 
 from __future__ import annotations
@@ -235,7 +236,7 @@ def total_weight(motion: ObservedMotion) -> float:
 
 
 def weight_on_frame(inspection: Inspection) -> Balance:
-    """Mean force, N, that the frame's joints, weights and loads leave on the linkage in a turn at constant speed.
+    """Size of the mean force, N, of the frame's joints, weights and loads on the linkage in a turn at constant speed.
 
     One value, at the middle of the turn, 0 in a true motion; its error is the change that every other sample makes,
     infinite for too few samples. Raises AssertionError without a ``steady_turn``.
@@ -288,7 +289,7 @@ class Invariant:
 
     ``found(case, inspection)`` gives a ``Found``: what should be zero, its scale in ``unit``, and the number of samples
     that the engine has. ``is_balance``: of masses and loads, so that without them it says nothing, and friction is no
-    part of it.
+    part of it. ``linear_unit`` is that of a pushed driver, "" for the same.
     """
 
     needs: tuple[Channel, ...]
@@ -468,8 +469,8 @@ def _without_change_points(inspection: Inspection, signal: Signal) -> Signal:
 def _judge_signal(blank: Error, signal: Signal, scale: float, total: int) -> Error:
     """The judged record of a signal (n,) that should be zero, relative to a scale; ``total`` counts all samples.
 
-    Samples without a value, nan, are left out. Without a single value nothing is judged, and nothing has passed. Fields
-    that are not found here are those of ``blank``.
+    The scale is in the signal's unit; 0 counts as 1. Samples without a value, nan, are left out. Without a single value
+    nothing is judged, and nothing has passed: it is UNDEFINED. Fields that are not found here are those of ``blank``.
     """
     defined = ~np.isnan(signal.values)
     time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)

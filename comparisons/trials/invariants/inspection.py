@@ -127,7 +127,8 @@ class Corrected:
     """An observed motion at the samples of one clock, and as it would fit its joints and drive.
 
     Lengths are in the equations' unit, orders count time derivatives, bodies are (instants, bodies, 3). What rests on
-    G⁻¹ is not a number in a position that is dead to the last digit.
+    G⁻¹ is not a number in a position that is dead to the last digit. What rests on a channel that was not recorded
+    raises AssertionError.
     """
 
     motion: ObservedMotion
@@ -143,14 +144,14 @@ class Corrected:
     def observed(self, order: int) -> Array:
         """Position, velocity or acceleration (order 0, 1, 2) of every body, (instants, bodies, 3), by the engine.
 
-        It is in units and rad, or these per s or s².
+        It is in the equations' unit and rad, or these per s or s².
         """
         return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
         """The correction of position, velocity or acceleration (order 0, 1, 2), (instants, bodies, 3).
 
-        It is in units and rad, or these per s or s²; each is computed once.
+        It is in the equations' unit and rad, or these per s or s², nan in a dead position; each is computed once.
         """
         if order not in self._corrections:
             if order == 0:
@@ -166,7 +167,7 @@ class Corrected:
     def corrected(self, order: int) -> Array:
         """Position, velocity or acceleration (order 0, 1, 2) that fits joints and drive, (instants, bodies, 3).
 
-        It is in units and rad, or these per s or s².
+        It is in the equations' unit and rad, or these per s or s², nan in a dead position.
         """
         return self.observed(order) + self.correction(order)
 
@@ -203,9 +204,9 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """φ, its speed or acceleration (order 0, 1, 2), that the drive prescribes, (instants,), in rad or units.
+        """φ, its speed or acceleration (order 0, 1, 2), that the drive prescribes, (instants,), in rad.
 
-        Of a released driver it is the driver's own, as observed.
+        Of a linear drive it is in the equations' unit. Of a released driver it is the driver's own, as observed.
         """
         drive = self.equations.scene.drive
         scale = self.equations.driver.scale
@@ -391,7 +392,8 @@ MOST_LENGTH_RATIO = 4.0  # times as long as its neighbour a piece of a law may b
 class Inspection:
     """One observed motion with its joints' equations evaluated once on each clock of its channels.
 
-    ``assur`` are the linkage's groups, in an order in which they can be solved.
+    ``assur`` are the linkage's groups, in an order in which they can be solved. What rests on a channel that was not
+    recorded raises AssertionError.
     """
 
     motion: ObservedMotion
@@ -427,7 +429,7 @@ class Inspection:
     def on(self, channel: Channel) -> Findings:
         """The findings at a channel's sample times; raises KeyError for a channel on a clock that no level has.
 
-        The levels are position, velocity and acceleration.
+        The levels are position, velocity and acceleration. Raises AssertionError for a channel that was not recorded.
         """
         return self._findings[self.motion.signal(channel).time.tobytes()]
 
@@ -435,7 +437,8 @@ class Inspection:
         """The largest correction of any body, by level, that fits it to the joints and a prescribed crank, over time.
 
         Keys are "position", "velocity" and "acceleration". Displacements over the scene's size, turns in rad; of
-        velocities and accelerations over their peak in the run. All three must have been recorded.
+        velocities and accelerations over their peak in the run. Raises AssertionError where one of the three was not
+        recorded.
         """
         result = {}
         for order, channel in enumerate(LEVELS):
@@ -521,7 +524,7 @@ class Inspection:
         """The largest difference of any joint's force from what balances the bodies, over its peak, over time.
 
         At the accelerations' times that all claimed forces span; a force too faint is over a share of the largest one's
-        peak.
+        peak. Every joint must have its force, with direction; raises KeyError for one without.
         """
         result, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
         joints = self.motion.scene.joints

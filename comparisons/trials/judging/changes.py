@@ -160,7 +160,8 @@ class Change:
 def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]:
     """Yield the differences of rows ``after`` from rows ``before``, in the order of their names: an outer join.
 
-    A row that is neither newly failing nor off by more than is allowed has none.
+    A row that is neither newly failing nor off by more than is allowed has none, nor has one without a value that is
+    there only before or only after.
     """
     old, new = ({_place_of_row(row): row for row in rows} for rows in (before, after))
     roundings = _rounding_errors(old, new)
@@ -175,7 +176,10 @@ def changes(before: Iterable[Error], after: Iterable[Error]) -> Iterator[Change]
 def _kind_of_change(was: Error | None, now: Error | None, roundings: Mapping[MotionUnit, float]) -> ChangeKind | None:
     """The kind of change between the rows of one place, ``was`` and ``now``, of which one may be None; None for none.
 
-    ``roundings`` are what figures of a motion and unit may differ by, in that unit.
+    ``roundings`` are what figures of a motion and unit may differ by, in that unit. A row without a value counts as
+    absent, but one that fails now, where ``was`` did not, is newly failing; one that failed before may fail on. An
+    error that passes may grow to ``GROWTH`` times what it was or to ``FLOOR_SHARE`` of its limit, one without a limit
+    to anything; a figure may change by ``SAME_FIGURE`` of itself.
     """
     if was is None or now is None:
         there = was or now

@@ -27,7 +27,10 @@ USER_REASON: Final = "set by the user"
 
 
 class Limit(TomlTable):
-    """The largest error_max allowed, why, and what for; no settings, regimes, mechanisms or engines: all of them."""
+    """The largest error_max allowed, why, and what for; no settings, regimes, mechanisms or engines: all of them.
+
+    ``value`` is a share of the reference's peak.
+    """
 
     value: Positive
     reason: str = USER_REASON
@@ -73,9 +76,10 @@ class LimitTable:
     def judge(self, record: Error) -> Error:
         """A copy of the record with limit and verdict, by comparing its error with its limit.
 
-        ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit. A figure
-        that is the adapter's own says nothing of the engine: its verdict is COMPUTED. What has no error, or was left
-        undecided, comes back as it is. Raises LookupError for a quantity without a limit.
+        ``error_at_jumps``, the error beyond the jump of samples at an acceleration jump, has the same limit; if it
+        alone is over it, ``error_max`` becomes it. A figure that is the adapter's own says nothing of the engine: its
+        verdict is COMPUTED. What has no error, or was left undecided, comes back as it is. Raises LookupError for a
+        quantity without a limit.
         """
         error = record.error_max
         if error is None or not (record.outcome == Verdict.COMPUTED or Verdict(record.outcome).judged):

@@ -3,7 +3,8 @@
 A quantity is a signal of ``analytic.signals``, which has its formula and unit, a row of ``quantities.toml`` and what an
 engine did, here. S is the output's displacement from its top dead centre (positive away from it), v and a its time
 derivatives, as in article 003; where the crank cannot turn fully it counts from the farthest point of the motion.
-Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
+Every joint of the linkage at hand has its force, ``joint_force:JOINT``. What an engine did is read from its channels;
+one that was not recorded raises AssertionError.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ class Quantity:
     values, or of a vector's magnitudes. ``prescribed`` and ``free`` say under which drive it is a result rather than
     given; ``clock`` is the channel whose samples it has, ``also`` are others that it is made of; ``zero`` says in words
     where it is counted from, which the engine's own motion shows only if its crank turns fully, or cannot.
+    ``linear_title`` is the title for a linear drive, "" if that is the same.
     """
 
     name: str
@@ -72,7 +74,10 @@ class Quantity:
     zero: str = ""
 
     def origin(self, motion: ObservedMotion) -> Origin:
-        """The weakest origin of the engine's signals that the quantity is computed from; they must be recorded."""
+        """The weakest origin of the engine's signals that the quantity is computed from.
+
+        Raises AssertionError for a channel that was not recorded, KeyError for such a joint.
+        """
         if self.name.startswith(JOINT_FORCE):
             return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
         return motion.origin(self.channels)
@@ -85,7 +90,10 @@ class Quantity:
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
     def shared(self, case: Case, motion: ObservedMotion) -> str:
-        """What of its value comes from the reference, not the engine, in words, such as its zero; "" for nothing."""
+        """What of its value comes from the reference, not the engine, in words, such as its zero; "" for nothing.
+
+        A zero is the engine's own if its crank made a full turn or, of the output, if the crank cannot make one.
+        """
         if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
             return ""
         return self.zero if motion.last_turn is None else ""
@@ -164,7 +172,7 @@ def _output_signal(channel: Channel, order: int, case: Case, motion: ObservedMot
 
 
 def _crank_signal(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
-    """φ, rad or m, its speed or its acceleration, as the channel is, by the engine's own account."""
+    """φ, rad or m, its speed or its acceleration, by the channel and on its clock, by the engine's own account."""
     time = motion.signal(channel).time
     return Signal(time, motion.crank(channel, time))
 
@@ -243,8 +251,8 @@ OBSERVED: Mapping[str, Observed] = {
 def _quantity(name: str, row: dict[str, Any]) -> Quantity:
     """A quantity from its row of ``quantities.toml``: fields of ``Quantity`` by name, channels as text.
 
-    Unit and truth are those of the signal of this name in ``analytic.signals``, where there is one. Raises KeyError for
-    a name that ``OBSERVED`` lacks.
+    Unit and truth are those of the signal of this name in ``analytic.signals``, where there is one, else the truth is
+    the thread's feed. Raises KeyError for a name that ``OBSERVED`` lacks, ValueError for an unknown channel.
     """
     channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
     if name not in SINGLE_SIGNALS:
@@ -423,7 +431,7 @@ def _error_at_jumps(case: Case, quantity: Quantity, time: Array, errors: Array) 
 
 
 def _truth_beside_jumps(case: Case, quantity: Quantity) -> tuple[Array, Array]:
-    """The truth just before and after every jump, (jumps,) or (jumps, 2) each, SI.
+    """The truth just before and after every jump, (jumps,) or (jumps, 2) each, SI; there must be a jump.
 
     At the start the crank is at rest before.
     """

@@ -142,7 +142,10 @@ class RunRecord:
         return Error(*_names(self))
 
     def own(self, errors: Iterable[tuple[Any, ...]]) -> tuple[Error, ...]:
-        """The ``errors``, rows that end with the columns ``ERRORS``, in this order, as Error records of this run."""
+        """The ``errors``, rows that end with the columns ``ERRORS``, in this order, as Error records of this run.
+
+        What stands before those columns is replaced by the run's names.
+        """
         names = _names(self)
         return tuple([Error._make(names + error[-len(ERRORS) :]) for error in errors])
 
@@ -181,7 +184,8 @@ class RunRecord:
     def from_row(cls, row: Mapping[str, Any], curves: Mapping[str, Curve] = MappingProxyType({})) -> Self:
         """A run back from what was ``written``, as the store reads it: errors and invariants are tuples of ``ERRORS``.
 
-        Raises ValueError for a wrong field or outcome, KeyError for a row that lacks errors or invariants.
+        Raises ValueError for a wrong field or outcome, KeyError for a row that lacks errors or invariants, TypeError
+        for one of these with a column too few.
         """
         run = cls._adapter().validate_python({name: row[name] for name in row if name not in PARTS})
         errors, checks = (run.own(row[part]) for part in PARTS)

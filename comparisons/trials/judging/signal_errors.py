@@ -50,7 +50,8 @@ class Reading:
     def channel_values(self, channel: Channel, name: str, time: Array) -> Array:
         """All columns of a channel of the body or joint ``name`` at times, s, (n, columns), interpolated.
 
-        Outside of the channel's clock they are the first or the last.
+        Outside of the channel's clock they are the first or the last. The channel must be recorded. Raises ValueError
+        for fewer than six samples at other times than its own.
         """
         if channel is Channel.JOINT_FORCE:
             signal = self.history.joint_force[name]
@@ -65,7 +66,7 @@ class Reading:
 
     @property
     def is_meaningless(self) -> bool:
-        """Whether it is the angle of a point: of a mass at a pin, which no joint keeps from turning."""
+        """Whether it is the angle of a point, or its rate: of a mass at a pin, which no joint keeps from turning."""
         guided = {slider.body for slider in self.scene.sliders}
         is_angle = self.channel in LEVELS and self.columns == ANGLE
         return is_angle and self.name not in guided and self.scene.bodies[self.body_number(self.name)].inertia is None
@@ -81,7 +82,10 @@ class Reading:
 
 
 def readings(scene: Scene, history: History) -> Iterator[Reading]:
-    """Yield a Reading for each signal of a history: of each body's place and angle, of the torque, of each joint."""
+    """Yield a Reading for each signal of a history: of each body's place and angle, of the torque, of each joint.
+
+    Place and angle come once for each of position, velocity and acceleration that is recorded.
+    """
     for (channel, joint), signal in history.signals.items():
         if channel in LEVELS:
             for body, columns in product(scene.bodies, (PLACE, ANGLE)):
@@ -201,7 +205,10 @@ def _peak_group(reading: Reading) -> tuple[Channel, str, int]:
 
 
 def _counted(case: Case, reading: Reading) -> Booleans:
-    """Which samples (n,) have an error: all of positions and velocities; of others not those at jumps, of loads too."""
+    """Which samples (n,) have an error: all of positions and velocities; of others those with one true value.
+
+    Those with two, by ``has_two_values``, lie at jumps of the acceleration, of friction or of loads.
+    """
     if reading.channel in (Channel.POSITION, Channel.VELOCITY):
         return np.ones(len(reading.time), dtype=bool)
     return ~has_two_values(case, reading.time)

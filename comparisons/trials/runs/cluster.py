@@ -40,7 +40,8 @@ class DaskPool:
         """Yield number and result of each ``function(*job)``, as a ``Pool`` does, as they end.
 
         ``bounds`` and ``begun`` are as there, but ``begun`` is called as a job is sent to the scheduler; two a thread
-        are under way. Raises LinkproofError where there is no scheduler, no worker, or one of another version.
+        are under way. Raises LinkproofError where there is no scheduler, no worker, or one of another version, and
+        where the scheduler ends.
         """
         with self._client() as client:
             size = 2 * sum(client.nthreads().values())
@@ -66,7 +67,7 @@ class DaskPool:
         """Do nothing: no state is left behind by a list of jobs."""
 
     def _client(self) -> Any:  # noqa: ANN401 - distributed has no types
-        """A connection to the scheduler, by the security that the user's configuration of Dask names.
+        """A connection to the scheduler, to be closed, by the security that the user's configuration of Dask names.
 
         The log of Dask is silenced. Raises LinkproofError without Dask, scheduler or workers, or for workers of another
         version.
@@ -93,7 +94,7 @@ class DaskPool:
     def _result(self, future: Any) -> Any:  # noqa: ANN401
         """The result of a job from its Dask ``future``, or a Lost one if its workers died.
 
-        Raises LinkproofError where the scheduler has ended.
+        Raises LinkproofError for every other failure, as where the scheduler has ended.
         """
         from distributed import KilledWorker  # noqa: PLC0415
 

@@ -21,7 +21,8 @@ INCIDENTAL = ("date", "machine")
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
     """Facts that decide a figure or a time, by name, JSON-ready: date, machine, commit and versions.
 
-    Versions are those of Python, of the packages, and of these engines, by name; unknown or absent ones are left out.
+    Versions are those of Python, linkproof, NumPy and SciPy, and of these engines, by name; unknown or absent ones are
+    left out.
     """
     facts, here = {name: installed_version(name) for name in PACKAGES}, engine_names()
     facts |= {engine.name: engine.version() for engine in adapters([name for name in engines if name in here])}

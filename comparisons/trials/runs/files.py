@@ -45,7 +45,7 @@ def claim(folder: Path) -> Claim:
     """Keep other commands out of a results folder, created if missing, as long as the returned claim lives.
 
     Within this process a claim that lives is shared. Raises LinkproofError where another process has claimed it, and
-    for a path that is no results folder.
+    for a path that is no results folder or cannot be made one.
     """
     check_folder(folder)
     try:
@@ -63,10 +63,10 @@ def claim(folder: Path) -> Claim:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise LinkproofError for a path that is neither a results folder nor free to be one.
+    """Raise LinkproofError for a path that is neither a results folder nor free to be one, as a missing one is.
 
-    Its entries, and what is beneath them, are files and folders: it may come from a stranger, and what a link leads to
-    is neither read, written nor removed.
+    What has a name of ``ENTRIES`` in it, and what is beneath, are files and folders: it may come from a stranger, and
+    what a link leads to is neither read, written nor removed. Other names are not looked at.
     """
     try:
         if not stat.S_ISDIR(folder.stat().st_mode):
@@ -107,8 +107,9 @@ def check_writable(path: Path) -> None:
 def write_file(path: Path, content: str | bytes | Callable[[Path], object]) -> None:
     """Write a file whole or not at all, by renaming a filled neighbour; raises LinkproofError if it cannot.
 
-    A text is written in UTF-8; a function is called with the path to write to. Missing folders are made. A neighbour
-    that a killed process left is overwritten by the next write.
+    A text is written in UTF-8; a function is called with the path to write to, and what it raises passes, an OSError as
+    LinkproofError. Missing folders are made; a file that is replaced leaves its permissions. A neighbour that a killed
+    process left is overwritten by the next write.
     """
     place = _final_path(path)
     temporary = place.with_name(f".{crc32(os.fsencode(place.name)):08x}{place.suffix[:16]}")

@@ -45,7 +45,7 @@ class PluginEngine:
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         """The engine's ways of stepping that can be studied, as a worker tells them; () if it has none.
 
-        Raises AdapterError where the adapter raises or the worker is lost.
+        Raises AdapterError where the adapter raises or the worker is lost, LinkproofError where no worker can start.
         """
         ((_, told),) = LocalPool(1).run(_methods, [(self.name, scene)], bounds=LONGEST_LOADING)
         if isinstance(told, Lost):

@@ -127,9 +127,9 @@ def _error_words(error: BaseException) -> str:
 
 
 def _error_location(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
-    """File and line of the innermost frame inside these packages, by name: "FILE, line N".
+    """File and line of the innermost frame inside these packages, by name: "FILE, line N"; a SyntaxError's own counts.
 
-    Without one ``otherwise`` or, if that is "", the innermost frame at all.
+    Without one ``otherwise`` or, if that is "", the innermost frame at all, or "no file".
     """
     walk = traceback.walk_tb(error.__traceback__)
     frames = [(frame.f_globals.get("__name__", ""), frame.f_code.co_filename, n) for frame, n in walk]
@@ -162,7 +162,7 @@ def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float
 
     The samples of a finished run cover the whole motion; they and their squares are finite: a run for which this does
     not hold has diverged. Raises AdapterError for every exception of the adapter but MemoryError, which the process
-    with the memory bound reports, and for a run that violates the contract.
+    with the memory bound reports, and SystemExit, and for a run that violates the contract.
     """
     with blamed_on(adapter):
         return checked(started(adapter, model, way, step), model, adapter.name)
@@ -294,11 +294,12 @@ def _shown_value(value: object) -> str:
 
 
 def gap(time: Array, drive: Drive) -> str:
-    """The first place, in words, where samples at these times (n,), s, leave out several of their steps; "" without.
+    """The widest place, in words, where samples at these times (n,), s, leave out several of their steps; "" without.
 
     The words are "from T to T s" and the own step. Before the first and behind the last sample counts too. The own step
     is the median of those before or of those after, the larger one: it may change from one part of a motion to the
-    next. Between samples a gap also turns a prescribed driver further than long steps do.
+    next. A gap is longer than ``GAP`` own steps, at borders of the motion's parts than ``BORDER_GAP``; between samples
+    it also turns a prescribed driver further than long steps do.
     """
     borders = _part_borders(drive)
     instants = np.concatenate([borders[:1], time, borders[-1:]])

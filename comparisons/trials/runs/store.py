@@ -209,7 +209,8 @@ def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all else
     that decides its results, such as versions. ``command`` repeats it with every option. The runs of another request
     are removed; how it differed is its first other line, then and now. As long as the runs live no other process may
-    write into the folder. Raises LinkproofError for a folder that another command has, or that cannot be used.
+    write into the folder, and ``save_study`` writes by their connection. Raises LinkproofError for a folder that
+    another command has, or that cannot be used, and for a damaged file.
     """
     lock, connection = claim(folder), _open(folder, to_write=True)
     _check_values(connection, folder)
@@ -253,7 +254,7 @@ def save_study(
 def _new_study(connection: sqlite3.Connection, kind: str, *, request: str = "", document: str = "{}") -> Runs:
     """An empty store of a study of this kind, in place of an earlier one with all its runs.
 
-    ``document`` is JSON text; the command is "".
+    ``request`` is as for ``begin``, ``document`` JSON text; the command is "".
     """
     connection.execute("DELETE FROM studies WHERE kind = ?", (kind,))
     words = (kind, request, "", document)

@@ -104,7 +104,7 @@ class _Context:
         return getattr(self._context, name)
 
     def Pipe(self, duplex: bool = True) -> tuple[Any, Any]:  # noqa: N802 - the name that pebble calls
-        """A pipe that raises OSError for anything an engine has written into it, as pebble expects."""
+        """A pipe's reader and writer; reading raises OSError for anything an engine has written, as pebble expects."""
         reader, writer = self._context.Pipe(duplex)
         reader.recv = functools.partial(_received, reader)  # type: ignore[method-assign]
         return reader, writer
@@ -158,7 +158,10 @@ class _Process:
         return _CLEAN_EXIT if code == 0 else code
 
     def end(self) -> str:
-        """How the process has ended, in words such as "exited with code 1", after at most 2 s of waiting for it."""
+        """How the process has ended, in words such as "exited with code 1", after at most 2 s of waiting for it.
+
+        They are "broke its connection" for one that still runs.
+        """
         self._process.join(_EXIT_TIMEOUT)
         code: int | None = self._process.exitcode
         if code is None:
@@ -207,7 +210,8 @@ class Worker:
     def result(self, future: Future[bytes]) -> Any:  # noqa: ANN401 - whatever the function returns
         """The result of its job, or a Lost one that says how it was lost; notes whether the process has died.
 
-        Raises LinkproofError where the process ended before it began any job.
+        A ``future`` that is not done stands for a process that has died. Raises LinkproofError where the process ended
+        before it began any job.
         """
         error = future.exception() if future.done() else BrokenExecutor()
         if isinstance(error, TimeoutError):
@@ -221,7 +225,10 @@ class Worker:
             return Lost(Failure.CRASHED, f"sent an answer that cannot be read ({type(fault).__name__})")
 
     def _crash(self) -> Lost:
-        """The loss of a job whose process ended; raises LinkproofError if the process never began one."""
+        """The loss of a job whose process ended, for want of memory if its output says so.
+
+        Waits up to 2 s for the end. Raises LinkproofError if the process never began a job.
+        """
         reason = self.process.end()
         if not self.output.exists():
             raise _start_error(f"one that {reason} at its start")
@@ -249,7 +256,8 @@ def _start_error(what: str) -> LinkproofError:
 def _prepare(output: str) -> None:
     """Make this process a worker, which has a group of its own, writes no core dumps and ends with its parent.
 
-    The file of its output, at ``output``, is there once the worker is.
+    SIGTERM ends it, and its temporary files are in the folder of the command's. The file of its output, at ``output``,
+    is there once the worker is.
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # SIGINT is ignored already
     if not os.environ.get(SHOW_OUTPUT):

@@ -204,7 +204,8 @@ class TaskList(Generic[R]):
 
     ``function``, a module's own, is called with a task's job and makes its result; ``lost(loss, *job)`` does so from a
     Lost one, or gives None if the task counts as never begun. ``encode`` makes a row and curves of a result for the
-    store, ``decode`` a result of these. The ``pool`` says where they are made.
+    store, ``decode`` a result of these. ``announce(label, finished, known)`` hears of each task that begins or ends,
+    with the numbers of tasks. The ``pool`` says where they are made.
     """
 
     function: Callable[..., R]
@@ -231,8 +232,9 @@ class TaskList(Generic[R]):
     def make(self, tasks: Iterable[Task], bounds: RunBounds = DEFAULT_BOUNDS) -> Generator[Task, None, None]:
         """Make the tasks without a result, begun in their order; stores each result and yields each task as it ends.
 
-        Each has its ``bounds``. Nothing is made before the first is asked for, and closing the generator ends the rest.
-        Raises LinkproofError where no worker can start.
+        Each has its ``bounds``; one that counts as never begun is neither stored nor yielded. Nothing is made before
+        the first is asked for, and closing the generator ends the rest. Raises LinkproofError where no worker can
+        start.
         """
         todo = self.expect(tasks)
 
@@ -267,7 +269,7 @@ class TaskList(Generic[R]):
         return self.decode(*self._runs.read(key))
 
     def has(self, key: str) -> bool:
-        """Whether a task with this key is finished."""
+        """Whether a task with this key is finished, now or among the runs to add to."""
         return key in self._runs
 
     def _announce(self, task: Task) -> None:

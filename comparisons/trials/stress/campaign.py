@@ -95,7 +95,10 @@ def borders(results: Iterable[Cell], *, quick: bool = False) -> list[Border]:
 
 
 def _line_borders(line: Iterable[Cell]) -> Iterator[Border]:
-    """Yield the first border on either side of a line's easy value, where there is one; cells may come in any order."""
+    """Yield the first border on either side of a line's easy value, where there is one; cells may come in any order.
+
+    Each side begins with the cell nearest to that value, by ratio, and has no border if this is not within limit.
+    """
     rising = sorted(line, key=lambda result: result.value)
     good = axes()[rising[0].axis].good
     start = min(range(len(rising)), key=lambda number: _factor_between(rising[number].value, good))
@@ -231,9 +234,9 @@ def stress(
 
 
 def _run_cells(study: TaskList[Cell], chosen: Sequence[Cell], *, quick: bool) -> list[Cell]:
-    """Run cells, those with equal time limits together; returns the results in the cells' order.
+    """Run cells, those with equal time limits together, shortest first; returns the results in the cells' order.
 
-    ``study`` keeps them, and makes none that it has.
+    ``study`` keeps them, and makes none that it has. Raises LinkproofError where no worker can start.
     """
     by_seconds = grouped((_cell_seconds(cell, quick=quick), Task(cell.key, (cell,), cell.key)) for cell in chosen)
     study.expect(task for tasks in by_seconds.values() for task in tasks)

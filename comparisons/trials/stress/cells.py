@@ -107,7 +107,7 @@ class Cell(RunRecord):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The cell as JSON-ready data."""
+        """The cell as JSON-ready data by column, its ``command`` added, without curves."""
         return {**super().data, "command": self.command}
 
 
@@ -132,11 +132,14 @@ class Conditions:
     that makes sense, and ``quick`` rows are in a quick map too. What an engine alone is given tells no cases apart.
 
     ``linkage`` is a catalogue name, or a file's among the stress maps' own. ``speed`` is in rpm, ``start_angle`` in
-    degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. ``turns`` is the duration of a constant speed
-    or of a released crank, in turns at ``speed``; ``spinning`` says whether it is released at that speed or at rest,
-    ``torque`` (N m) is then on it. ``point`` of ``link`` (or of the ground) is put at ``at + excess * slope``, m.
-    ``scaled`` names what is multiplied by ``scale``, ``load`` the kind of loads that remain (springs or dampers), times
-    ``load_factor``. ``disturbed`` says whether positions or velocities of the start are off by ``disturbance``.
+    degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. A ramp lasts twice ``ramp_turns``, the speed
+    is held for ``hold_turns``, a reversal lasts ``reversal_turns``, all in turns at ``speed``, as is ``turns``, the
+    duration of a constant speed or of a released crank; ``spinning`` says whether it is released at that speed or at
+    rest, ``torque`` (N m) is then on it. ``point`` of ``link`` (or of the ground) is put at ``at + excess * slope``, m.
+    ``mass_factor`` multiplies mass and inertia of ``link``, ``damper_factor`` what rotary dampers damp; 0 takes all
+    dampers away. ``scaled`` names what is multiplied by ``scale``, ``load`` the kind of loads that remain (springs or
+    dampers), times ``load_factor``. ``disturbed``, "position" or "velocity", says which of the start is off by
+    ``disturbance``, "" neither. ``steps_per_turn`` and ``effort`` are a method's.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -361,7 +364,7 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
     """Names of the settings and methods in which an engine is run on an axis; ``adapter`` is the engine's.
 
     Methods that it does not offer, or whose effort has another unit than the axis, are left out; if it raises when
-    asked, none is.
+    asked, none is. It is asked with the axis' first row; raises LinkproofError where that has no case.
     """
     if not axis.methods:
         return list(axis.settings)
@@ -454,7 +457,8 @@ def lost(loss: Lost, cell: Cell) -> Cell:
 def _run_usage(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> EngineRun:
     """The engine's run of a scene in a setting, or by a method at the conditions' step and effort.
 
-    Raises AdapterError where the adapter raises.
+    An effort of 0 leaves the method its own. Raises AdapterError where the adapter raises or lacks the method,
+    AssertionError for an engine without methods.
     """
     if usage in [*Setting]:
         return run_engine(adapter, given, Setting(usage))

@@ -79,8 +79,9 @@ def measure(
     """Make the ``blank`` run of a pickled case once, by a setting or by a method at its step: a copy with the result.
 
     The engine is warmed up before, and the calls inside a setting's run are clocked in a run of their own.
-    ``with_errors`` adds the errors of ``quantities``, by name. Raises AdapterError for every exception of the adapter
-    but MemoryError.
+    ``with_errors`` adds the errors of ``quantities``, by name; the outcome is then "undefined" where one has no sample
+    to compare, "diverged" where an error is not finite, "not-provided" where the engine tells none. Raises AdapterError
+    for every exception of the adapter but MemoryError and SystemExit.
     """
     case, adapter = unpickle_case(pickled), engine(blank.engine)
     families = chosen_families(case, quantities)
@@ -559,7 +560,8 @@ def planned_sweeps(
 ) -> Iterator[PointSweep]:
     """Yield the sweeps of one engine on the case numbered ``number``: settings first, then these ``methods``.
 
-    Settings and extent are the request's; with ``fronts_only`` only those that it asks for.
+    Settings and extent are the request's; with ``fronts_only`` all settings but the best, and of the methods the last
+    of a single run and the last of several.
     """
     settings, extent = request.settings, request.extent
     if extent.fronts_only:

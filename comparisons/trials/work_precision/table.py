@@ -211,7 +211,8 @@ def observed_order(steps: Sequence[float], errors: Sequence[float]) -> float | N
 def theil_sen(x: Array, y: Array) -> float:
     """Median of the slopes of y over x, (n,) each, of all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
 
-    SciPy's also works out a confidence interval, which costs ten times as much and is not wanted here.
+    There must be two points, and no two with the same x. SciPy's also works out a confidence interval, which costs ten
+    times as much and is not wanted here.
     """
     first, second = np.triu_indices(len(x), 1)
     return float(np.median((y[second] - y[first]) / (x[second] - x[first])))
@@ -239,8 +240,8 @@ def still_improves(errors: Sequence[float]) -> bool:
 def sustained(errors: Sequence[float], limit: float) -> int | None:
     """Index of the first error from which all, down to the smallest, are at or below ``limit``.
 
-    Errors are given from the coarsest step to the finest. A coarse step can be right by accident; one that the next
-    finer step contradicts is not to be relied on. None where the limit is never reached.
+    Errors, one at least, are given from the coarsest step to the finest. A coarse step can be right by accident; one
+    that the next finer step contradicts is not to be relied on. None where the limit is never reached.
     """
     place = int(np.argmin(errors))
     if errors[place] > limit:
