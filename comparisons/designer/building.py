@@ -42,8 +42,7 @@ LAST_TURN_SAMPLES: Final = 361
 def positions_over_range(mechanism: Mechanism) -> Positions:
     """The positions of all bodies over a turn from φ = 0, or over the crank's range, short of its limits.
 
-    At a limit where guides are parallel its bodies are infinitely far away. Raises AssemblyError where the linkage
-    cannot be assembled.
+    At a limit a body may be infinitely far away. Raises AssemblyError where the linkage cannot be assembled.
     """
     reach = mechanism.crank_range()
     low, high = (0.0, FULL_TURN) if reach.is_full_turn else inset_ends(reach)
@@ -355,8 +354,8 @@ def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeM
     The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
     angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
     ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
-    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such, else None; φ at the
-    ``end`` within a turn.
+    (``ending``) and of the rotation that would repeat itself (``settled``), None without a constant torque or such a
+    rotation; φ at the ``end``, rad, within a turn.
     """
     # There may be no whole turn, and no rotation that repeats itself.
     ending = _try_part({}, "", lambda: last_turns(motion), None) if regime.torque else None
@@ -387,7 +386,7 @@ def _rotation_speeds(rotation: Rotation | None) -> dict[str, float] | None:
 
 
 def _dense_times(motion: FreeMotion) -> Array:
-    """Instants (n,), s, of a motion, evenly so close that every turn is resolved, within bounds of their number."""
+    """Even instants (n,), s, of a motion, PER_TURN to a turn, but from FEWEST_INSTANTS to MOST_INSTANTS in all."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / FULL_TURN
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST_INSTANTS, MOST_INSTANTS)))
 

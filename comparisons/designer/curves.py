@@ -72,7 +72,7 @@ class Instants:
 
     @property
     def axis(self) -> Literal["phi", "time"]:
-        """The name of the axis: "phi" if the crank turns at one speed, else "time"."""
+        """The name of the axis: "phi" if the motion ``is_steady``, else "time"."""
         return "phi" if self.is_steady else "time"
 
     @cached_property
@@ -166,7 +166,7 @@ class Instants:
         return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
 
     def _periods_from(self, time: Array, target: float) -> Array:
-        """Distance of the crank from ``target``, rad or m, at instants (n,), s, in periods; signed."""
+        """φ less ``target``, rad or m, at instants (n,), s, in periods, signed and with its fraction."""
         return np.asarray((self.motion.angle(time) - target) / self._period)
 
 
@@ -285,7 +285,7 @@ class Curves:
         return open_ends(self.case.mechanism, *self.case.reach)
 
     def unit(self, name: str) -> str:
-        """SI unit of a signal."""
+        """SI unit of a signal or of "time", by its name; raises KeyError for an unknown kind."""
         return "s" if name == TIME else signals.unit(name, self.linkage)
 
     @cached_property
@@ -295,7 +295,10 @@ class Curves:
 
     @cached_property
     def corners(self) -> Array:
-        """The instants, s, at which the drive passes a corner of a load over φ: peaks are there, and means change."""
+        """The instants (n,), s, at which the drive passes a corner of a load over φ, one corner after the other.
+
+        Peaks are there, and means change.
+        """
         time = self.instants.grid
         angle = self.case.motion.angle(time)
         places = load_corners(self.case.mechanism, float(np.min(angle)), float(np.max(angle)))
@@ -387,7 +390,7 @@ class Curves:
             chosen = [measures[key] for key in keys]
 
             def curves(rows: Integers, time: Array, chosen: Sequence[Measure] = chosen) -> Array:
-                """The measures numbered ``rows`` among ``chosen`` at instants, s, one row each."""
+                """The measures numbered ``rows`` among ``chosen`` at instants (n,), s: (rows, n)."""
                 truth = self.truth_at(time)
                 return np.stack([chosen[row](truth) for row in rows])
 

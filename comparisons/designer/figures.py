@@ -281,10 +281,11 @@ def _loaded_links(curves: Curves) -> dict[str, str]:
 # A signal's figure has the name of ``analytic.designs.figures``, and its means are over the time. Of a mechanism, in
 # any motion, there are
 #
-# ``Jeq.pulsation`` half the range of Jeq over a turn, over its mean ``equilibrium`` crank angle, rad, of the undriven
-# linkage's stable rest with the least potential energy ``top_dead_centre`` crank angle, rad, at which the output is
-# highest along its direction ``time_ratio`` crank angle of the output's slower stroke over that of its faster one
-# ``range.low .high`` ends, rad, of the range of a crank that cannot turn fully
+# ``Jeq.pulsation``     half the range of Jeq over a turn, over its mean
+# ``equilibrium``       crank angle, rad, of the undriven linkage's stable rest with the least potential energy
+# ``top_dead_centre``   crank angle, rad, at which the output is highest along its direction
+# ``time_ratio``        crank angle of the output's slower stroke over that of its faster one
+# ``range.low .high``   ends, rad, of the range of a crank that cannot turn fully
 
 MechanismFigure = Callable[[Mechanism], float]
 
@@ -303,7 +304,7 @@ def _resting_angle(mechanism: Mechanism) -> float:
 def _time_ratio(mechanism: Mechanism) -> float:
     """Crank angle of the output's slower stroke divided by that of its faster one, 1 or more.
 
-    Raises LinkproofError where the output stands still.
+    Raises LinkproofError without an output or where it stands still, AssemblyError for a crank that makes no turn.
     """
     stroke = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
     strokes = sorted((stroke, FULL_TURN - stroke))
@@ -348,7 +349,7 @@ def figures_by_name(mechanism: Mechanism, name: str) -> Mapping[str, Figure | Me
 
 
 def figure_unit(name: str, linkage: Linkage) -> str:
-    """SI unit of a figure of the linkage, by its name; "" without a unit."""
+    """SI unit of a figure of the linkage, by its name; "" without a unit; raises KeyError for an unknown kind."""
     if name in MECHANISM_FIGURES:
         return MECHANISM_FIGURES[name][0]
     return unit("S" if name == STROKE else part_figure(name)[0], linkage)
@@ -576,8 +577,8 @@ def published_figures(asked: Sequence[tuple[Mechanism, Published]]) -> list[floa
 def _case(mechanism: Mechanism, regime: str | None, speed: float, end: float | None) -> Case:
     """The case that figures are printed for: a ``regime``, of the file or a general one, or a steady ``speed``, rad/s.
 
-    Without a regime the crank makes a turn, or turns up to the angle ``end``, rad, where one is given. Raises
-    UnknownNameError for an unknown regime, and LinkproofError for a crank that makes no turn.
+    Without a regime the crank makes a turn, or where an angle ``end``, rad, is given the last MARGIN, rad, or less up
+    to it. Raises UnknownNameError for an unknown regime, and LinkproofError for a crank that makes no turn.
     """
     regimes = {entry.name: entry for entry in mechanism.linkage.regimes}
     if regime in regimes:

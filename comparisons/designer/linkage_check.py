@@ -220,9 +220,10 @@ def _inertia_unit_slip(ratio: float) -> str:
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
-    """All facts on a linkage up to its first fault, under "fault" too, and that fault as an error; None without one.
+    """All facts on a linkage up to its first fault, and that fault as an error, None without one.
 
-    Facts are by name, SI. Of a structure that cannot be divided its part so far is a fact.
+    Facts are by name, SI; "fault" is the error's message, None without one. Of a structure that cannot be divided its
+    part so far is a fact.
     """
     facts = file_facts(linkage)
     try:
@@ -326,8 +327,8 @@ def _turn_facts(mechanism: Mechanism) -> Facts:
 def _accuracy_facts(mechanism: Mechanism) -> Facts:
     """How far joints are open, m, and bounds of the closed form's relative error, None for infinite ones.
 
-    The bounds are those of "position" and its "first" and "second" derivatives. All are found over a full turn, else
-    over the range short of its ends.
+    They are "closure_error", and under "error_bound" those of "position" and its "first" and "second" derivatives. All
+    are found over a full turn, else over the range short of its ends.
     """
     reach = mechanism.crank_range()
     sweep = mechanism.turn if reach.is_full_turn else mechanism.sweep(np.linspace(*inset_ends(reach), RANGE_SAMPLES))
@@ -354,7 +355,11 @@ def _printed_facts(linkage: Linkage) -> Iterator[Facts]:
 
 
 def _load_facts(linkage: Linkage) -> Facts:
-    """The facts on which links have no mass or inertia, on the number of loads of each kind, and on the output."""
+    """The facts on masses and loads: names of links without mass, of those with a mass and inertia 0, and counts.
+
+    Counts are of loads by kind and of links; besides, whether there is gravity, whether the linkage ``is_idle``, and
+    the name of the output's point, None without one.
+    """
     return {
         "without_mass": [name for name, link in linkage.links.items() if not link.mass],
         "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
@@ -377,7 +382,10 @@ def _sketch_facts(mechanism: Mechanism) -> Facts:
 
 
 def _range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """The facts on the range of φ in this assembly mode: its ends, rad or m, with their reasons, its change points."""
+    """The facts on the range of φ in this assembly mode: its ends, rad or m, with their reasons, its change points.
+
+    Besides, whether it is a full turn, whether the drive is linear, and the ends in "words".
+    """
     low, high = reach.limits
 
     def toggle(entry: Toggle | None) -> str | None:

@@ -59,7 +59,8 @@ def inset_ends(reach: CrankRange, *, backwards: bool = False) -> tuple[float, fl
 def open_ends(mechanism: Mechanism, first: float, last: float) -> tuple[OpenEnd, ...]:
     """The open ends of a motion between two values of φ, rad or m, the lower one first; () without any.
 
-    An end is open where it is near the limit of its range, and a group there binds.
+    An end is open where it is near a dead position that limits its range, and the group there binds. Raises
+    AssemblyError where the linkage cannot be assembled at the lower end.
     """
     low, high = min(first, last), max(first, last)
     reach = _range_around(mechanism, low)
@@ -130,7 +131,7 @@ def good_part(mechanism: Mechanism, reach: CrankRange) -> list[float]:
 def open_end_warning(mechanism: Mechanism, ends: Sequence[OpenEnd]) -> str:
     """A warning about open ends, one or more: the dead positions beside them, and a part of the range free of them.
 
-    It has no full stop. Raises IndexError for no ends.
+    It has no full stop; ``ends`` are those of one motion. Raises IndexError for no ends.
     """
     reach = _range_around(mechanism, ends[0].place)
     places: dict[str, list[str]] = {}

@@ -119,16 +119,19 @@ class Optimum:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Sentences that warn a reader of the best design: on open ends, and on loads over φ that stay behind.
+        """Sentences that warn a reader of the best design; [] without.
 
-        [] without.
+        They are on open ends, and on loads over φ that keep their angles while its top dead centre moves.
         """
         loads = self.problem.case.loads_that_stay([self.after])
         return [*filter(None, (self.at_open_end.sentence, loads))]
 
     @cached_property
     def written(self) -> dict[str, float]:
-        """The numbers, SI, as the new file has them: bounds as typed, others in as few digits as serve as well."""
+        """The numbers, SI, by name as the new file has them: at a bound this bound, else with few digits.
+
+        They have the fewest of DIGITS with which the design serves as well, or all of theirs.
+        """
         for digits in DIGITS:
             numbers = {entry.parameter.name: self._short(entry, digits) for entry in self.problem.variables}
             if self._serves(numbers):
@@ -150,7 +153,8 @@ class Optimum:
     def _serves(self, numbers: Mapping[str, float]) -> bool:
         """Whether a design of these numbers, SI, by name, is nearly as good as the best one and keeps the constraints.
 
-        Its aim may differ by AS_GOOD, and no constraint may be violated more than in the best design.
+        Its aim may differ by AS_GOOD of the aim's size; no constraint may be violated more than in the best design, or
+        than by ALLOWED_EXCESS of its size.
         """
         problem, count = self.problem, len(self.problem.aims)
         values = problem.case.figures_of(numbers, problem.figures)
@@ -162,9 +166,9 @@ class Optimum:
         return bool(abs(self.aim(values) - self.aim(self.values[1])) <= AS_GOOD * problem.aim_size) and is_held
 
     def curves(self) -> dict[str, Array]:
-        """The signals of aims and constraints, and Mkr, before and after, by name: (2, angles), SI.
+        """The signals of aims and constraints, and Mkr if there is one, before and after, by name: (2, angles), SI.
 
-        The angles are those of ``problem.maxima.grid``.
+        The angles are those of ``problem.maxima.grid``. Raises AssemblyError where either design cannot be assembled.
         """
         case, grid = self.problem.case, self.problem.maxima.grid
         figures = (*self.problem.figures, *known_figures(case.mechanism, ["Mkr.peak"]))
@@ -194,7 +198,7 @@ class Optimum:
 
     @property
     def change(self) -> Array:
-        """Relative changes of the figures (figures,), before to after; nan from zero."""
+        """Changes of the figures (figures,) over their magnitudes before; nan from zero."""
         before, after = self.values
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
@@ -257,7 +261,7 @@ def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], typ
 
 
 def _size(figure: NamedFigure, *values: float) -> float:
-    """The scale of a figure, SI: the largest magnitude of its finite values, or a millionth of the file's unit."""
+    """The scale of a figure, SI: the largest magnitude of its finite ``values``, at least a millionth of its unit."""
     return max(1e-6 * figure.unit.size, *(abs(value) for value in values if math.isfinite(value)), 0.0)
 
 

@@ -45,7 +45,7 @@ class Named:
 
     @property
     def shown(self) -> str:
-        """The name with its unit, as it heads a table."""
+        """The name with its unit, as it heads a table: "rod.B.x [mm]"; alone without a unit."""
         return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
 
     def si(self, text: str) -> float:
@@ -102,7 +102,10 @@ def parameters(linkage: Linkage) -> dict[str, Parameter]:
 
 
 def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
-    """A number of a linkage by name, or the driver's ``speed``, rad/s or m/s, without sign; raises UnknownNameError."""
+    """A number of a linkage by name, or "speed", which is the driver's ``speed``, rad/s or m/s, without its sign.
+
+    Raises UnknownNameError for another name.
+    """
     if name == SPEED:
         return Parameter(SPEED, linkage.phi.speed_unit, Kind.SPEED.si, Kind.SPEED, abs(speed))
     known = parameters(linkage)
@@ -204,8 +207,8 @@ class OpenEndFigures(NamedTuple):
 class SteadyCase:
     """A linkage whose driver moves at a constant speed, rad/s or m/s, signed, through ``places``, rad or m, ascending.
 
-    The end of a full turn is not sampled twice. ``conditions`` has linkage and motion in words. Of the numbers of a
-    design one may be the ``speed``, turned as this one.
+    The end of a full turn is not sampled twice. ``conditions`` has linkage and motion in words. Among the numbers of a
+    design may be "speed", without sign: it replaces the case's, in the same direction.
     """
 
     mechanism: Mechanism
@@ -243,7 +246,10 @@ class SteadyCase:
         )  # fmt: skip
 
     def figures_of(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> Array:
-        """Figures (figures,), SI, of one design, extremes refined; its numbers are SI by name. Nan if not assembled."""
+        """Figures (figures,), SI, of one design, extremes refined; nan if it cannot be assembled at every place.
+
+        ``design`` has its numbers, SI, by name. Raises LinkproofError as ``figures``.
+        """
         return self.figures({name: np.array([value]) for name, value in design.items()}, figures)[:, 0]
 
     def gradients(self, design: Mapping[str, float], figures: Sequence[NamedFigure]) -> tuple[Array, Array]:
@@ -261,14 +267,19 @@ class SteadyCase:
         return self.linkage.load_period if self.is_full_turn else None
 
     def redesigned(self, design: Mapping[str, float]) -> SteadyCase:
-        """A copy of the case with other numbers, SI, by name; a speed among them is ignored."""
+        """A copy of the case with other numbers, SI, by name, in the same assembly modes.
+
+        A speed and unknown names are ignored. Raises StructureError or AssemblyError for a group of a higher class that
+        the sketch then leaves open or that does not meet.
+        """
         numbers = {name: value for name, value in design.items() if name != SPEED}
         return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))
 
     def open_ends(self, figures: Sequence[NamedFigure]) -> OpenEndFigures:
         """The figures whose extremes lie at an end of the motion beside a dead position, in the case's own design.
 
-        There they say no more than where the motion is cut off. A full turn has no such ends: no names and "".
+        There they say no more than where the motion is cut off. A full turn has no such ends: no names and "". Raises
+        AssemblyError where the design cannot be assembled.
         """
         ends = () if self.is_full_turn else open_ends(self.mechanism, self.places[0], self.places[-1])
         tops = {each.name: self._tops(each) for each in figures} if ends else {}
@@ -329,7 +340,8 @@ def case_at_speed(
 
     ``start`` and ``end``, rad or m, count if both are given. There are ``samples`` places, to each turn if loads repeat
     after several. The range is that of the linkage as its file has it, short of its limits. The speed of a linear
-    driver is in m/s. Raises LinkproofError for a speed that is zero or not finite.
+    driver is in m/s. Raises LinkproofError for a speed that is zero or not finite, AssemblyError where the linkage
+    cannot be assembled as sketched.
     """
     if not math.isfinite(speed) or speed == 0.0:
         raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")

@@ -91,10 +91,10 @@ class LocalMaxima:
         return np.linspace(self.case.places[0], self.case.places[-1], count)
 
     def windows(self, numbers: Mapping[str, float]) -> tuple[SampleWindow, ...]:
-        """The motion of a design cut, for every side in its order, into a window around each highest maximum.
+        """The motion of a design cut, for every side in its order, into windows around its highest maxima, one in each.
 
-        A side has at most MOST_WINDOWS. Raises AssemblyError where the design cannot be assembled at every angle of the
-        grid, or stands in a dead position.
+        A side has at most MOST_WINDOWS, and at least one. Raises AssemblyError where the design cannot be assembled at
+        every angle of the grid, or stands in a dead position.
         """
         values = self._values(numbers, self._signals, self.grid)
         return tuple(
@@ -237,7 +237,10 @@ class Pieces(NamedTuple):
         return self.rows[[int(np.argmax(self.rows[:, 0]))]]
 
     def bounded_by(self, sign: float) -> Array:
-        """Rows of smooth values, with derivatives, whose highest is ``sign``, 1 or -1, times the figure."""
+        """Rows of smooth values, with derivatives, whose highest is ``sign``, 1 or -1, times the figure.
+
+        They are all pieces if it is the figure's own ``sign``, else the highest one alone, negative.
+        """
         return self.rows if sign == self.sign else -self.top
 
 
@@ -344,9 +347,10 @@ class DesignProblem:
         return [smooth.get(figure) or _figure_pieces(figure.figure, heights) for figure in self.figures]
 
     def sample_designs(self, places: Array, angles: Array) -> Array:
-        """Scaled aim, and sum of scaled violations, of the designs at places (designs, variables): (2, designs).
+        """Scaled aim, the less the better, and sum of scaled violations of designs: (2, designs).
 
-        Nan where a design cannot be assembled; extremes are those of the sampled ``angles``, rad or m.
+        They are at ``places`` (designs, variables), 0 to 1 between the bounds. Nan where a design cannot be assembled;
+        extremes are those of the sampled ``angles``, rad or m.
         """
         values = self.low + self.width * places
         named = {variable.parameter.name: values[:, column] for column, variable in enumerate(self.variables)}
@@ -358,7 +362,10 @@ class DesignProblem:
 
 
 def _figure_pieces(figure: Figure, heights: Mapping[SignalExtreme, Array]) -> Pieces:
-    """The pieces of a figure, from the rows (n, 1 + variables) of each side's local maxima."""
+    """The pieces of a figure, from the rows (n, 1 + variables) of each side's local maxima.
+
+    Those of a range are all sums of a maximum of the upper side and one of the lower.
+    """
     parts = [heights[side] for side in sides(figure)]
     if effective_reduction(figure) is Reduction.RANGE:
         up, down = parts

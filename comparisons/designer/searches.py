@@ -116,7 +116,7 @@ class Descent:
         return self.problem.linearise(place, windows)
 
     def _search_round(self, end: End, radius: float) -> End | None:
-        """The end of an SLSQP search within a radius, a share of the bounds; None if it cannot be assembled.
+        """The end of an SLSQP search within a radius, a share of the bounds; None if it is not finite or assembled.
 
         It lowers the aim or, if a constraint is violated, the violation. Either is a variable of its own, above all
         local maxima or all violations.
@@ -127,7 +127,7 @@ class Descent:
         column = np.append(np.zeros(len(end.place)), 1.0)
 
         def limits(z: Array) -> Array:
-            """The rows that have to be positive, each with its derivative by z, a place and the bound, at its end."""
+            """The rows (n, 2 + variables) of ``_limits`` at the place in ``z``, which is a place and then the bound."""
             return _limits(designs(z[:-1]), is_feasible=end.is_feasible)
 
         held: list[dict[str, Any]] = [{
@@ -170,7 +170,7 @@ def _limits(design: Linearised, *, is_feasible: bool) -> Array:
 def independent(slopes: Array) -> list[int]:
     """Indices of a largest set of linearly independent rows of slopes (n, variables), ascending.
 
-    A figure that nothing moves is left out.
+    A row without a slope of INDEPENDENT or more is left out.
     """
     rows: list[int] = []
     for row in range(len(slopes)):
@@ -247,7 +247,10 @@ class Search:
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
-        """Ends that are worse than the best: higher, or with a constraint violated; () where none is."""
+        """Ends that are worse than the best: higher by more than APART, or with a constraint violated; () without any.
+
+        Where no end meets the constraints, these are all ends.
+        """
         best = self.best
         return tuple(
             end for end in self.ends if best is not None and end is not None
@@ -283,8 +286,8 @@ def search(problem: DesignProblem, start: Array, announce: Announce, *, everywhe
     """Search from the file's design ``start`` and, if ``everywhere``, from the best designs of an even sample.
 
     ``announce`` is called with words, number from 0 and count before each of these. Once the first few searches end at
-    the same design, no others are made. Where the search from the file's design ends without meeting the constraints, a
-    few sampled designs are tried, until several miss the constraints alike.
+    the same design, no others are made. Where the search from the file's design is the only one and ends without
+    meeting the constraints, a few sampled designs are tried, until one meets them or several miss them alike.
     """
     result = Search(Descent(problem), everywhere)
     ends, run = result.ends, result.descent.run

@@ -78,12 +78,12 @@ class Released:
 class Sheet:
     """Everything computed of a linkage under one motion, SI, angles in rad.
 
-    ``values`` are the signals by name over the whole motion, nan where undefined: at every instant of its
-    grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
-    chosen instants. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
-    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of the mechanism
-    alone, as in ``linkproof check --json``. ``required`` is the feed of the thread at the crank angles "phi", rad, of
-    its file, "required" there and "actual", m; empty without a required feed.
+    ``values`` are the signals by name over the whole motion, nan where undefined: at every instant of its grid (n,), or
+    on a page at as many as a curve needs, φ ascending where that is the axis. ``units`` has the SI unit of each.
+    ``chosen`` are those at chosen instants. ``peaks`` has of each signal the largest magnitude, of a transmission angle
+    the least, ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of the
+    mechanism alone, as in ``linkproof check --json``. ``required`` is the feed of the thread at the crank angles "phi",
+    rad, of its file, "required" there and "actual", m; empty without a required feed.
 
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime the
@@ -173,16 +173,19 @@ class Sheet:
 
     @cached_property
     def _ingredients(self) -> dict[str, float]:
-        """The size, SI, of the terms that a signal sums up, by signal: their rounding stays where they cancel."""
+        """The size, SI, of the terms that Mkr, Peq, shaking_moment and S sum up, by signal.
+
+        Their rounding stays where they cancel.
+        """
         extent = self.linkage.extent()
         torque = self._scales.get(("joint_force", "N"), 0.0) * (1.0 if self.is_linear else extent)
         speed = self._scales.get(("omega", self.units.get("omega", "")), 0.0)
         return {"Mkr": torque, "Peq": torque * speed, "shaking_moment": torque, "S": extent}
 
     def without_rounded_figures(self) -> Sheet:
-        """A copy with 0 for each number and curve that is rounding; a peak of such a curve has no place.
+        """A copy with 0 for each number and curve that is only rounding; a peak of such a curve has no place.
 
-        Without a torque it has no figures of power, and a remark.
+        Where that is the torque's curve, it has no figures of power, no speed at the peak torque, and a remark on it.
         """
         idle = {
             name
@@ -191,7 +194,10 @@ class Sheet:
         }
 
         def cleaned(figure: SignalFigure) -> SignalFigure:
-            """A copy of a key figure with 0, or without a direction or a place, where its signal is only rounding."""
+            """A copy of a key figure: 0 if its value is only rounding, without a place if its signal is.
+
+            The direction of a force that is only rounding has neither a value nor a place.
+            """
             if figure.signal.endswith(DIRECTION):
                 no_force = figure.signal.replace(DIRECTION, MAGNITUDE) in idle
                 return replace(figure, value=None, time=None, phi=None) if no_force else figure

@@ -180,7 +180,8 @@ def given_designs(case: SteadyCase, vary: Any, table: Any) -> tuple[DesignSpace,
 
     ``vary`` is texts ``NAME=FIRST:LAST:COUNT`` or arrays (n,) by name, ``table`` a path or arrays (n,) by name, and
     exactly one of them has to be given. Arrays are in the units of the file; any one of Dask's stands for all, and they
-    are returned by name. Raises LinkproofError for bad input.
+    are returned by name. Raises LinkproofError for bad input, and ValueError or TypeError for entries of arrays that
+    are no numbers.
     """
     if bool(vary) == (table is not None):
         got = "both" if vary else "neither"
@@ -208,8 +209,8 @@ def _is_dask_array(values: object) -> bool:
 def _check_values(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
     """Values of a parameter as an array (n,), of floats or Dask's own, from a list, an array or a DataArray.
 
-    Raises LinkproofError unless they are a flat list of finite numbers, at least one; those of a Dask array are not
-    looked at.
+    Raises LinkproofError unless they are a flat list of finite numbers, at least one, and ValueError or TypeError for
+    entries that NumPy cannot read as numbers; those of a Dask array are not looked at.
     """
     data = getattr(given, "data", given) if hasattr(given, "dims") else given  # of a DataArray
     values = data if _is_dask_array(data) else np.asarray(data, dtype=float)
@@ -278,7 +279,7 @@ class SweepStudy:
 
     @cached_property
     def assembles(self) -> Booleans:
-        """Which designs assemble at every angle, (designs,)."""
+        """Which designs assemble at every angle, (designs,): those with a figure that is not nan."""
         return np.asarray(~np.all(np.isnan(self.values), axis=0))
 
     @property

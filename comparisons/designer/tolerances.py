@@ -84,7 +84,8 @@ class TolerancedNumber(NamedTuple):
 class Tolerances:
     """The request: results by name, the speed in its file's unit, if given, and the table of tolerances by name.
 
-    ``source`` is their file, if they have one: faults are told with its line.
+    The table is as the module's docstring shows it, not read yet. ``source`` is their file, if they have one: faults
+    are told with its line.
     """
 
     results: tuple[str, ...]
@@ -151,7 +152,7 @@ def _read_tolerance(number: Parameter, value: object) -> TolerancedNumber:
     """The tolerance of a number from its value in the table; raises LinkproofError for another value.
 
     That is a ± in the file's unit, a text with a unit, or a table of it under ``plus_minus`` and a ``distribution``,
-    normal by default. The ± of a mass, an inertia or a speed is limited.
+    normal by default. The ± of a mass, an inertia or a speed is at most its share LARGEST of the number.
     """
     entry: Mapping[str, Any] = value if isinstance(value, Mapping) else {PLUS_MINUS: value}
     for key in entry:

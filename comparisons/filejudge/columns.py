@@ -76,7 +76,7 @@ class SignalTimes:
 
 @dataclass(frozen=True)
 class ImportedSignal(SignalTimes):
-    """A signal of the linkage: SI values (n,) with angles in rad, corrections that were agreed to applied.
+    """A signal of the linkage: SI values (n,), angles in rad, corrected as was agreed.
 
     Over the ``axis`` phi the ``time`` (n,) is the crank angle, rad, until the crank's speed is known. Values and times
     are each within their ``rounding`` and ``time_rounding`` (n,). ``joint_force:NAME:magnitude`` is the size of a
@@ -98,8 +98,8 @@ class Evidence(SignalTimes):
     """A column of a file beside the closed form: ``values`` and ``truth`` (n,) at its times.
 
     The file leaves ``rounding`` (n,) open. A cause need not explain samples that are not ``counted``; ``over`` are
-    those that are off even so. ``scale`` is the size over which errors are stated; words are in ``unit``, a signal of
-    the kind is in the unit ``si``, and the column's header states a unit of the SI value ``header``.
+    those that are off even so. ``scale`` is the size, SI, over which errors are stated. All are in the SI unit ``si``;
+    words are in ``unit``, of the SI value ``unit_value``; the column's own unit has the SI value ``header``.
     """
 
     values: Array

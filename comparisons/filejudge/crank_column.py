@@ -168,7 +168,7 @@ class KnownFit:
 
     @property
     def largest(self) -> float:
-        """The largest residual over the rounding."""
+        """The largest magnitude of ``residual``, in roundings."""
         return float(np.max(np.abs(self.residual)))
 
     @property
@@ -260,7 +260,10 @@ def _longest(samples: _Samples, family: str) -> float:
 
 
 def _fit_near(samples: _Samples, family: str, guess: float) -> KnownFit:
-    """The least-squares fit of a family, its ramp or swing time searched near ``guess``, s."""
+    """The least-squares fit of a family, its ramp or swing time searched near ``guess``, s.
+
+    "constant-speed" has no such time and keeps the guess.
+    """
     if family == CONSTANT:  # which has no such time
         return _fit_with_time(samples, family, guess)
     near = samples.duration / TRIED_TIMES
@@ -297,7 +300,7 @@ def _evened_out(fit: KnownFit) -> KnownFit:
 
 
 def _fit_with_time(samples: _Samples, family: str, time: float) -> KnownFit:
-    """The least-squares fit with this ramp or swing ``time``, s."""
+    """The least-squares fit of a family's size and start with this ramp or swing ``time``, s; of speeds start is 0."""
     shape, weights, values = _shape(family, samples, time), samples.rounding**-2.0, samples.values
     tip, mean = (0.0, 0.0) if samples.of_speed else (np.average(part, weights=weights) for part in (shape, values))
     arm = shape - tip
@@ -336,7 +339,10 @@ def _splines(samples: _Samples, start_angle: float) -> ColumnMotion:
 
 
 def _smooth(samples: _Samples, degree: int) -> scipy.interpolate.BSpline:
-    """The spline whose residuals spread as roundings do; the nearest where SciPy, which then warns, reaches none."""
+    """The spline of this degree whose residuals spread as roundings do; the nearest where SciPy reaches none.
+
+    SciPy's warning of that is silenced.
+    """
     time, weights = samples.time, math.sqrt(3.0) / samples.rounding
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -361,7 +367,7 @@ def _corners(samples: _Samples, smooth: scipy.interpolate.BSpline) -> Array | No
         return np.concatenate([[time[0]] * (degree + 1), np.sort(corners), [time[-1]] * (degree + 1)])
 
     def residual(corners: Array) -> Array:
-        """Column less least-squares spline with these corners, s, over the column's rounding, (n,)."""
+        """Least-squares spline with these corners, s, less the column, over the column's rounding, (n,)."""
         curve = scipy.interpolate.make_lsq_spline(
             time, samples.values, knots(corners), degree, w=1.0 / samples.rounding
         )

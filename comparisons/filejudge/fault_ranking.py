@@ -117,7 +117,7 @@ class Fitting:
     def residuals(self, fault: Hypothesis, numbers: Iterable[float]) -> list[Array] | None:
         """Residuals (n,) of every column with a fault at these numbers, over its tolerance; None if impossible.
 
-        The numbers are in the hypothesis' own units. A residual is nan where the fault leaves a sample open.
+        The numbers are SI or factors, as the hypothesis has them. A residual is nan where a sample is left open.
         """
         remains = list(self.before)
         try:
@@ -184,7 +184,10 @@ class Fitting:
         return fit
 
     def _is_linear(self, fault: Hypothesis) -> bool:
-        """Whether every column is a linear function of a fault's numbers: friction and sizes of forces are not."""
+        """Whether every column is a linear function of a fault's numbers.
+
+        Not so with friction in the linkage, or with a column that is the size of a force.
+        """
         sizes = any(signal.name.endswith(MAGNITUDE) for signal in self.evidence)
         return fault.is_linear and not sizes and not self.simulation.linkage.friction
 
@@ -305,7 +308,7 @@ def _fit_of(
 
 
 def _least_fit(fits: Iterable[Fit | None]) -> Fit | None:
-    """The fit that leaves least; None where all are None."""
+    """The fit that leaves the least sum of squares of ``rms``; None where all are None."""
     return min((fit for fit in fits if fit), key=lambda fit: float(np.sum(fit.rms**2)), default=None)
 
 
@@ -398,7 +401,7 @@ def estimate_correction(evidence: Evidence) -> Correction | None:
 
 
 def _apply_correction(evidence: Evidence, correction: Correction | None) -> Evidence:
-    """A copy of the evidence with a signal's sign and factor corrected, its rounding with them; itself for None."""
+    """A copy of the evidence, its sign and factor corrected, its rounding never reduced; itself for None."""
     if correction is None:
         return evidence
     factor = correction.sign * correction.factor
@@ -418,7 +421,8 @@ def _explain_as_read(
 ) -> Explanation:
     """The causes of the differences of columns as they are: one by one the cause that explains most signals.
 
-    Where too many causes fit alike none is named. ``names`` and ``column`` are as for ``explain``.
+    Where too many causes fit alike none is named, and their signals count as unexplained. ``names`` and ``column`` are
+    as for ``explain``.
     """
     open_names = [signal.name for signal in evidence if differs(signal)]
     if not open_names:
@@ -494,7 +498,10 @@ class _Search:
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
 
     def log_remainder(self, fit: Fit, names: Sequence[str]) -> float:
-        """Mean logarithm, over these signals, of the RMS that a fit leaves divided by that of rounding."""
+        """Mean natural logarithm, over these signals, of the RMS that a fit leaves over that of rounding.
+
+        A ratio below ALIKE counts as ALIKE.
+        """
         places = [self.places[name] for name in names]
         return float(np.mean(np.log(np.maximum(fit.rms[places] / self.floor[places], ALIKE))))
 
@@ -556,7 +563,7 @@ def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None)
 
 
 def _undone(scale: float, offset: float, shift: float) -> Correction:
-    """The correction that undoes a column's ``scale``, with its own ``offset``, SI, and ``shift``, s."""
+    """The correction that undoes a column's ``scale``; its ``offset``, SI, and ``shift``, s, are those given."""
     return Correction(-1 if scale < 0.0 else 1, 1.0 / abs(scale), float(shift), float(offset))
 
 

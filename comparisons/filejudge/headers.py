@@ -54,7 +54,7 @@ COMPONENTS: Final = frozenset({"x", "y", "z", "magnitude"})  # each of which has
 
 
 def plain_letters(text: str) -> str:
-    """A text in lower case, without accents and the marks of letters; ł and ø become l and o."""
+    """A text in lower case, without accents and marks on letters, but those of kana; ł and ø become l and o."""
     decomposed = unicodedata.normalize("NFKD", text.casefold())
     letters = "".join(c for c in decomposed if not unicodedata.combining(c) or c in "\u3099\u309a")
     return unicodedata.normalize("NFC", letters).replace("ł", "l").replace("ø", "o")
@@ -173,7 +173,7 @@ LONGEST_UNIT: Final = 40  # characters of a unit
 
 
 def _find_unit(name: str) -> Unit | None:
-    """The unit of a name, as written or else, beyond one letter, in any case; None for an unknown name."""
+    """The unit of a name, as written, else, if it has more than one letter, in any case; None for an unknown one."""
     return UNITS_BY_NAME.get(name) or _UNITS_BY_LOWER_CASE.get(name.lower())
 
 
@@ -221,9 +221,9 @@ class Meaning:
 
 @dataclass(frozen=True)
 class _Vocabulary:
-    """The vocabulary of a signal, as meanings: of its ``quantity``, sets that it ``needs`` one of each, and all.
+    """The vocabulary of a signal: the meanings of its ``quantity``, and all that are true of it, ``words``.
 
-    ``words`` are all meanings that are true of the signal.
+    ``needs`` are sets of meanings, of each of which a header has to have one.
     """
 
     quantity: Meanings
@@ -306,17 +306,20 @@ class HeaderParser:
         return _Vocabulary(frozenset(quantity), needs, frozenset().union(quantity, others, *needs))
 
     def unit(self, name: str) -> Unit:
-        """SI unit of a signal or of time."""
+        """SI unit of a signal or of "time"; raises KeyError for a name of another kind."""
         unit = parse_unit(self.si_unit_name(name))
         assert unit is not None, name
         return unit
 
     def si_unit_name(self, name: str) -> str:
-        """The name of the SI unit of a signal or of time."""
+        """The name of the SI unit of a signal or of "time"; raises KeyError for a name of another kind."""
         return "s" if name == TIME else signals.unit(name, self.linkage)
 
     def in_stated_unit(self, signal: str, column: Column) -> Meaning:
-        """The meaning of a column as this signal, in the header's unit, or without a unit if that cannot measure it."""
+        """The meaning of a column as this signal, in its stated unit, or without a unit if that cannot measure it.
+
+        The unit is the column's, else that of its header. Raises KeyError for an unknown signal.
+        """
         for _, text in splits(column.header, column.unit):
             unit = parse_unit(text)
             if unit is not None and unit.measures(self.unit(signal).dimension):
@@ -387,7 +390,10 @@ class HeaderParser:
         return fitting
 
     def _why_no_signal(self, read: Sequence[Meanings], unit: Unit | None) -> str:
-        """The reason, in words, why a header of known words means no signal, with the names of signals of that kind."""
+        """The reason, in words, why a header of known words means no signal, with the names of signals of that kind.
+
+        ``read`` has the meanings of each of its words, ``unit`` is its unit, if it states one.
+        """
         stated = frozenset[str]().union(*read)
         kind = [name for name, true in self._vocabularies.items() if stated & true.quantity]
         kind = kind or [name for name in self._vocabularies if unit and unit.measures(self.unit(name).dimension)]

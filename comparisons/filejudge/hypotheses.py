@@ -318,7 +318,7 @@ def wrap_angle(angle: float) -> float:
 def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN401 - a DriverMotion, narrowed
     """Yield faults of a stated regime: another speed, another ramp, another time of the ramp.
 
-    ``start`` is its angle at t = 0, rad. Ramps only of a run-up and of a constant speed.
+    ``motion`` is a DriverMotion, ``start`` its angle at t = 0, rad. Ramps only of a run-up and of a constant speed.
     """
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
     paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE_CAPTURE, 9.0), MOST_PACES)))
@@ -331,7 +331,10 @@ def _of_regime(motion: Any, start: float) -> Iterator[Hypothesis]:  # noqa: ANN4
     ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
 
     def similar(name: str, ramp: float) -> Values:
-        """The changed motion: the regime of this name with another ramp time, s, of the old one's length and speed."""
+        """The changed motion: the regime of this name, with the old one's length and end speed and this ramp time, s.
+
+        The time is limited to SHORTEST_RAMP and the motion's duration.
+        """
         ramp = min(max(abs(ramp), SHORTEST_RAMP), motion.duration)
         return {MOTION: crank_motion(name, speed=abs(speed), ramp_time=ramp, hold_time=motion.duration - ramp,
                                      clockwise=speed < 0.0, start_angle=start)}  # fmt: skip

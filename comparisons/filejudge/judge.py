@@ -146,7 +146,7 @@ class SignalVerdict(Evidence):
     def is_noise(self) -> bool:
         """Whether the difference is known to have no trend: its mean and its neighbours say nothing about a sample.
 
-        False for fewer samples than FEWEST_OF_NOISE.
+        False for fewer counted samples than FEWEST_OF_NOISE, and without any difference.
         """
         rest = (self.values - self.truth)[self.counted]
         size = float(rest @ rest)
@@ -374,7 +374,8 @@ def _crank_motion(
 def _motion_samples(signal: ImportedSignal) -> tuple[Array, Array, Array]:
     """Times, values and roundings, each (n,), of a column of the crank's motion.
 
-    Rounded times count in the roundings.
+    Times are in equal steps if they are so but for rounding, and angles without jumps of a turn. A rounding is that of
+    the value and what that of its time adds.
     """
     time, open_ = even_instants(signal.time, signal.time_rounding)
     values = unwrap_angles(signal.values) if signal.name == "phi" else signal.values
@@ -423,7 +424,8 @@ def _without_turns(signal: ImportedSignal, truth: Array, linkage: Linkage) -> Im
 def _missed_peaks(model: Simulation, judged: Sequence[SignalVerdict]) -> Iterator[tuple[str, float]]:
     """Yield each signal whose closed form peaks between the samples by more than the limit, with the share missed.
 
-    Signals with many samples, and those near zero, are left out.
+    Signals with more samples than FINE, those near zero, and with a motion read from a column those with fewer than
+    four samples are left out.
     """
     for verdict in judged:
         time = verdict.time

@@ -146,9 +146,10 @@ class Simulation:
         return self.columns.get(name) or ColumnKnobs(name)
 
     def _column(self, curve: SignalTimes, truths: dict[bytes, Truth]) -> Array:
-        """The values (n,), SI, of a column; ``truths`` keeps the closed form by its clock for other columns.
+        """The values (n,), SI, of the column that ``curve`` names, at its times.
 
-        Where a shift leads out of the run, or to a jump, they are nan.
+        ``truths``, to which it may add, has the closed form by its clock, for other columns too. Where a shift leads
+        out of the run, or to a jump, values are nan; stray samples have their own.
         """
         knobs, time = self._knobs(curve.name), curve.time
         at = time + knobs.shift if knobs.shift else time

@@ -168,7 +168,10 @@ class _Signs(NamedTuple):
 
 
 def _split_cells(row: str, delimiter: str) -> list[str]:
-    """The cells of a row between delimiters, quotes and outer spaces taken away."""
+    """The cells of a row's first LONGEST_ROW characters between delimiters, without quotes and outer spaces.
+
+    Blanks inside a cell become one space.
+    """
     cells = next(csv.reader([row[:LONGEST_ROW]], delimiter=delimiter, skipinitialspace=True), [])
     return [" ".join(cell.split()) for cell in cells]
 
@@ -183,7 +186,7 @@ def _find_signs(row: str, text: str) -> _Signs:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell is a finite number with a decimal point."""
+    """Whether a cell is a number below LARGEST_NUMBER in magnitude, its decimal sign, if it has one, a point."""
     return bool(NUMBER.fullmatch(cell)) and abs(float(cell)) < LARGEST_NUMBER
 
 
@@ -281,7 +284,7 @@ def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
 
 
 def _is_value(cell: str) -> bool:
-    """Whether a cell is a number, finite or not."""
+    """Whether a cell is a number, finite or not, or words for a missing one, such as ``n/a`` or ``#REF!``."""
     return bool(NUMBER.fullmatch(cell) or NOT_FINITE.fullmatch(cell))
 
 
@@ -299,8 +302,8 @@ def _refuse_spoilt_rows(file: ResultText, lines: Sequence[_Part], signs: _Signs,
 def _read_rows(file: ResultText, part: _Part, signs: _Signs, header: _Header) -> ResultTable:
     """The table of a block of rows; raises LinkproofError, with file and line, for a row that is none.
 
-    A column that is empty throughout is left out, and the first where it comes again: Adams writes the time beside
-    every curve. Tiny numbers become 0.
+    Rows and columns that are empty throughout are left out, and columns that repeat the first one, with its header or
+    none: Adams writes the time beside every curve. Tiny numbers become 0.
     """
     text = part.text.replace("D", "e").replace("d", "e")  # Fortran writes exponents with a D
     form: Any = {"sep": signs.delimiter, "decimal": signs.decimal, "header": None, "skipinitialspace": True}
@@ -441,9 +444,9 @@ def _adams_table(file: ResultText) -> ResultTable:
 
 
 def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
-    """The result of a reader that runs in another process, within READER.
+    """The result of ``reader(path)``, run in another process within READER's bounds of time, s, and memory, bytes.
 
-    Raises LinkproofError for a file that is none or too large, and for any failure there.
+    Raises LinkproofError for a path that is no file, one that is too large, and for any failure there.
     """
     check_file(path, EXPECTED, LARGEST)
     processes = min(1, most_processes())
@@ -460,7 +463,7 @@ def _read_isolated(reader: Callable[[Path], R], path: Path) -> R:
 
 
 def _result_or_words(reader: Callable[[Path], R], path: Path) -> R | str:
-    """The result of a reader, or the error that it raised, in words; a MemoryError is raised."""
+    """The result of ``reader(path)``, or the error that it raised, in words; a MemoryError is raised."""
     try:
         return reader(path)
     except MemoryError:
@@ -488,10 +491,10 @@ def _workbook_texts(path: Path) -> list[tuple[str, str]]:
 def _matlab_tables(path: Path) -> list[ResultTable]:
     """A table for each length of curves in a MATLAB file; raises ValueError for one too large or not finite.
 
-    Each column is as sharp as its numbers are. OpenModelica and Dymola write trajectories as matrices ``Aclass``,
-    ``name``, ``dataInfo``, ``data_1`` (what is constant) and ``data_2``, as they are or transposed (``Aclass[3]`` says
-    which): ``dataInfo`` has for each name the matrix and the row, with a sign. Other curves are vectors and the columns
-    of matrices.
+    It raises errors of other classes for a damaged file. The resolution of a number is the rounding of its type.
+    OpenModelica and Dymola write trajectories as matrices ``Aclass``, ``name``, ``dataInfo``, ``data_1`` (what is
+    constant) and ``data_2``, as they are or transposed (``Aclass[3]`` says which): ``dataInfo`` has for each name the
+    matrix and the row, with a sign. Other curves are vectors and the columns of matrices.
     """
     from scipy.io import loadmat, whosmat  # noqa: PLC0415 - where one is read
 

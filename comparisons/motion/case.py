@@ -88,7 +88,8 @@ def zero_of_output(mechanism: Mechanism, motion: DriverMotion) -> float:
     """The output's coordinate, m, from which S counts.
 
     It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches,
-    between instants too. Raises LinkproofError where the output of a full turn stands still along its direction.
+    between instants too. Raises LinkproofError without an output and where that of a full turn stands still along its
+    direction, AssemblyError where the linkage cannot make the motion.
     """
     top = top_of_turn(mechanism)
     return _farthest_reached(mechanism, motion) if top is None else top
@@ -114,13 +115,14 @@ def _farthest_reached(mechanism: Mechanism, motion: DriverMotion) -> float:
 def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Body]:
     """Every link as a body in its state at the sweep's single crank angle, by the link's name.
 
-    The crank's speed ω is in rad/s, its acceleration ε in rad/s²; of a linear drive in m/s and m/s².
+    The crank's speed ω is in rad/s, its acceleration ε in rad/s²; of a linear drive in m/s and m/s². Raises
+    AssemblyError where the linkage cannot be assembled or move there.
     """
     return {name: _body_state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
 
 
 def _body_state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
-    """One link as a body in its state, for a crank speed, rad/s, and acceleration, rad/s²."""
+    """The link ``name`` as a body in its state, for a crank speed, rad/s, and acceleration, rad/s²."""
     motion = (body_motion(sweep, name, order, speed, acceleration) for order in range(3))
     (x, y, angle), (vx, vy, turning), (ax, ay, change) = ((values + 0.0).tolist() for values in motion)  # no zero is -0
     link = sweep.linkage.links[name]
@@ -153,9 +155,10 @@ def scene(
 ) -> Scene:
     """The scene of a mechanism under a drive, for an engine that is to record ``channels``.
 
-    Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
-    speed ``speed`` (rad/s), its accelerations taken from the equation of motion. Raises AssemblyError where the linkage
-    cannot be assembled at the start, and LinkproofError for loads over S where the crank makes no full turn.
+    Under a prescribed motion the start state is the motion's, whatever ``start_angle`` and ``speed``; a free one starts
+    at that angle, rad, with that speed, rad/s, its accelerations taken from the equation of motion; of a linear drive
+    they are in m and m/s. Raises AssemblyError where the linkage cannot be assembled at the start, and LinkproofError
+    for loads over S where the crank makes no full turn.
     """
     if isinstance(drive, Prescribed):
         motion = drive.motion
@@ -181,12 +184,12 @@ class Truth(LinkageInMotion):
 
     @cached_property
     def speed(self) -> Array:
-        """ω at the instants, rad/s, (n,)."""
+        """ω at the instants, rad/s, or m/s of a linear drive, (n,)."""
         return self.motion.speed(self.time)
 
     @cached_property
     def acceleration(self) -> Array:
-        """ε at the instants, rad/s², (n,)."""
+        """ε at the instants, rad/s², or m/s² of a linear drive, (n,)."""
         return self.motion.acceleration(self.time)
 
     @cached_property
@@ -196,7 +199,7 @@ class Truth(LinkageInMotion):
 
     @property
     def farthest(self) -> float:
-        """The output's coordinate, m, from which S counts."""
+        """The output's coordinate, m, from which S counts; raises LinkproofError as ``zero_of_output``."""
         return zero_of_output(self.mechanism, self.motion)
 
 
@@ -319,7 +322,10 @@ class Case:
         return self._seen[key]
 
     def sweep(self, time: Array) -> Sweep:
-        """The linkage posed along the motion, at times (n,), s, from the cache of ``at``."""
+        """The linkage posed along the motion, at times (n,), s, from the cache of ``at``.
+
+        Raises AssemblyError where it cannot be assembled.
+        """
         return self.at(time).sweep
 
     @cached_property
@@ -424,10 +430,10 @@ def _torque_words(regime: ReleasedRegime, unit: str) -> str:
 
 
 def free_drive(motion: DriverMotion, regime: ReleasedRegime) -> Free:
-    """A released crank's drive: torque, duration, s, and pace, rad/s, from which an engine chooses its steps.
+    """A released crank's drive: its torque, constant and over time, duration, and pace, by which engines choose steps.
 
-    The pace is the peak |ω| plus the largest |ε| over it. A torque over the angle is left out: it is a load of the
-    case.
+    The pace, rad/s, is the peak |ω| plus the largest |ε| over it. A torque over the angle is left out: it is a load of
+    the case.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
     return Free(regime.torque, regime.duration, motion.peak_speed + hardest / motion.peak_speed, regime.over_time)
