@@ -112,8 +112,8 @@ class UnknownNameError(LinkproofError):
 def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
     """Those ``choices`` that begin with a name, capitals or not.
 
-    If there are none, up to three close in spelling, the nearest first, or those that differ in one letter; none for an
-    overlong name.
+    If there are none, up to three close in spelling, the nearest first; if none is, those that differ in one letter.
+    None for an overlong name.
     """
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:

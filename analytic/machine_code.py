@@ -90,8 +90,8 @@ class LinkageTrace:
     def split_inputs(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
         """Of the lines that ``outputs`` need, those that depend on the design alone, and those on the crank alone.
 
-        They are numbers, ascending. Each can be computed once and shared; what such lines need themselves is left out,
-        and so are constants.
+        Of the design are the varied numbers and the zero of S. The lines are numbers, ascending. Each can be computed
+        once and shared; what such lines need themselves is left out, and so are constants.
         """
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
@@ -135,8 +135,8 @@ def linkage_trace(
     Numbers are by name. The list is made once for a mechanism and a request. ``signals`` are names of
     ``analytic.signals``, magnitudes of vectors and the output's coordinate. ``accelerates`` makes the crank's
     acceleration an input, else it is 0; its speed always is one. ``all_groups`` takes the groups that no signal needs
-    as well. Raises LinkproofError for a linkage that is not traceable, UnknownNameError for a signal that it does not
-    have.
+    as well. Raises LinkproofError for a linkage that is not traceable, and for the output's coordinate of one without
+    an output, UnknownNameError for a signal that it does not have.
     """
     if not is_traceable(mechanism):
         raise LinkproofError(

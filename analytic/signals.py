@@ -79,7 +79,7 @@ class LinkageInMotion(ABC):
     @property
     @abstractmethod
     def farthest(self) -> Any:  # noqa: ANN401 - a number, or one for each design
-        """The output's coordinate, m, from which S counts."""
+        """The output's coordinate, m, from which S counts: one number, or one for each design."""
 
     @cached_property
     def inertia(self) -> Array:
@@ -103,7 +103,10 @@ class LinkageInMotion(ABC):
 
     @property
     def friction_torque(self) -> Any:  # noqa: ANN401 - an array, or 0 without friction
-        """The share of the joints' friction in the drive's torque, N m; of a linear driver in its force, N."""
+        """The share of the joints' friction in the drive's torque, N m; of a linear driver in its force, N.
+
+        0 without friction.
+        """
         return self._reactions.friction
 
     @cached_property
@@ -335,7 +338,8 @@ def signal(at: LinkageInMotion, name: str) -> Array:
     """A signal by name, SI, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``.
 
     It has the angles' shape. Raises UnknownNameError for a signal that the linkage does not have, LinkproofError for
-    the output's coordinate without an output, AssemblyError where the linkage cannot be assembled or moved.
+    the output's coordinate without an output and where friction locks the linkage, AssemblyError where it cannot be
+    assembled or moved.
     """
     if name == OUTPUT_COORDINATE:
         return at.sweep.output()
@@ -505,8 +509,8 @@ def evaluate(
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank are signed, scalar or of the angles' shape; the speed
     is needed by whatever depends on the crank's motion. S counts from the top dead centre of a full turn, or where
     there is none from the farthest place between the least and the largest angle. Angles of links are unwrapped along
-    the last axis. Raises errors as ``check_signals`` does, and AssemblyError where the linkage cannot be assembled or
-    moved.
+    the last axis. Raises errors as ``check_signals`` does, LinkproofError for a speed or acceleration of another shape
+    and where friction locks the linkage, and AssemblyError where it cannot be assembled or moved.
     """
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     angle = np.asarray(angle, dtype=float)
@@ -540,7 +544,8 @@ def _evaluate_pieces(mechanism: Mechanism, names: tuple[str, ...], angle: Array,
     """Signals by name at flat crank angles, rad, (signals, angles), SI, piece by piece.
 
     S is minus the output's coordinate, still without its zero. ``motion`` has the crank's speed and acceleration, each
-    a number or (angles,). Raises AssemblyError where the linkage cannot be assembled or moved.
+    a number or (angles,). Raises AssemblyError where the linkage cannot be assembled or moved, LinkproofError where
+    friction locks it.
     """
     values = np.empty((len(names), angle.size))
     for start in range(0, angle.size, PIECE):

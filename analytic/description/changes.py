@@ -35,7 +35,7 @@ SPEED: Final = "speed"  # of the driver, in which designs may differ besides; no
 def changed(linkage: Linkage, change: Change) -> Linkage:
     """The linkage with every number that has a name replaced by ``change(name, kind, number)``, SI.
 
-    A direction that is changed becomes a unit vector.
+    A direction that is changed becomes a unit vector; raises ZeroDivisionError for one of no length.
     """
     new = {
         number.path: value
@@ -49,8 +49,9 @@ def changed(linkage: Linkage, change: Change) -> Linkage:
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
     """The linkage with numbers, SI, by name in place of its own; they may be arrays.
 
-    Names that the linkage does not have are ignored, and a direction that is changed becomes a unit vector. If the
-    linkage's ``scales_mass`` is set, mass, centre and inertia of a link follow its lengths unless they are named.
+    Names that the linkage does not have are ignored, and a direction that is changed becomes a unit vector; raises
+    ZeroDivisionError for one of plain zeros. If the linkage's ``scales_mass`` is set, mass, centre and inertia of a
+    link follow its lengths unless they are named.
     """
     result = changed(linkage, lambda name, _, value: numbers.get(name, value))
     if not linkage.scales_mass:

@@ -136,7 +136,7 @@ class Law:
         """A table as plain data: knots, rad or m, and by piece and component its coefficients, lowest power first.
 
         Coefficients are of the distance from the piece's first knot. The knots are the table's places alone; with a
-        period there is a last piece behind them.
+        period there is a last piece behind them. Raises AssertionError for a constant.
         """
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._curve.c[::-1], 0, -1).tolist()

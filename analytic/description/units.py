@@ -60,7 +60,7 @@ class Kind(StrEnum):
         return pushed if is_linear else turning
 
     def size(self, length: float, mass: float, time: float = 1.0) -> float:
-        """The SI size of this kind's unit in a system with these units of length, mass and time."""
+        """The SI size of this kind's unit in a system whose units of length, mass and time have these SI sizes."""
         a, b, c = self.exponents
         return float(length**a * mass**b * time**c)
 

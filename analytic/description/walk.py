@@ -31,7 +31,7 @@ def walk(part: Any, kind: Kind | None = None, path: Keys = ()) -> Iterator[Numbe
     """Yield every number of a part with its path and kind, in the order of fields.
 
     ``kind`` is that of the part's own field, None if its parts state their own; ``path`` leads to the part, and paths
-    begin with it.
+    begin with it. A field that is None, as one left out, yields nothing.
     """
     if isinstance(part, tuple | list | Mapping):
         for key, inner in part.items() if isinstance(part, Mapping) else enumerate(part):
@@ -54,7 +54,7 @@ def with_values(part: Any, values: Mapping[Keys, Any], kind: Kind | None = None)
     """A copy of a part with ``values``, which may be arrays, at some paths; a changed direction becomes a unit vector.
 
     ``kind`` is that of the part's field. Paths are those of ``walk`` and lead from the part; where there are none in a
-    field, the copy shares it.
+    field, the copy shares it. Raises ZeroDivisionError for a direction whose plain components are all 0.
     """
     if () in values:
         return values[()]

@@ -31,7 +31,7 @@ def file_unit(si: str, linkage: Linkage) -> FileUnit:
 def kind_unit(kind: Kind, units: Mapping[str, str]) -> FileUnit:
     """The unit in which a file, which states ``units`` by kind, has a kind of number; SI where it states none.
 
-    Speeds of a crank are in rpm. Raises UnknownNameError for an unknown unit.
+    Speeds of a crank are in rpm, velocities in the unit of length per s. Raises UnknownNameError for an unknown unit.
     """
     if kind is Kind.SPEED:
         return FileUnit("rpm", RPM)

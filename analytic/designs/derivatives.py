@@ -59,8 +59,9 @@ def signal_values(
     """Signals of one design (signals, angles), SI, at crank angles (angles,), rad.
 
     ``parameters`` are numbers, SI, by the names of ``analytic.description.changes``, or the driver's ``speed``, turned
-    as ``speed``, rad/s, signed. S counts from its largest value at these angles. Raises AssemblyError where the design
-    cannot be assembled.
+    as ``speed``, rad/s, signed. S counts from its largest value at these angles. Raises UnknownNameError for an unknown
+    signal, LinkproofError for S without an output and where friction locks the design, AssemblyError where it cannot be
+    assembled or moved.
     """
     design = _Design(mechanism, parameters, speed)
     if is_exact(mechanism):
@@ -88,8 +89,8 @@ def signal_gradients(
     ``analytic.description.changes``, or the driver's ``speed``, turned as ``speed``, with the SI values at which to
     differentiate; a signal may be a magnitude, as in a ``Figure``, but not S, which counts from the design's own top.
     The crank turns at a constant ``speed``, rad/s, signed. With ``at_tops`` the angles are tops of the signals, and one
-    at a corner of a load moves with it. Raises UnknownNameError for an unknown parameter, LinkproofError for numbers
-    that no design can have, and AssemblyError where the design cannot be assembled.
+    at a corner of a load moves with it. Raises UnknownNameError for an unknown parameter or signal, LinkproofError for
+    numbers that no design can have, and AssemblyError where the design cannot be assembled or moved.
     """
     places = np.asarray(angle, dtype=float)
     _check_parameters(mechanism, parameters)
@@ -277,9 +278,10 @@ class _Design:
 
     @cached_property
     def followed(self) -> Mechanism:
-        """The design as a mechanism of its own, its assembly modes followed from this mechanism's.
+        """The design as a mechanism of its own, its dyads in the assembly modes of this mechanism's; kept.
 
-        Raises AssemblyError where that fails.
+        Raises AssemblyError or StructureError for a group of a higher class that does not meet or that the sketch
+        leaves open.
         """
         return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, self.parameters))
 
@@ -332,7 +334,7 @@ class _Design:
     def means(self, figures: Sequence[Figure], grid: Array, zero_of_s: Curve) -> dict[SignalExtreme | Figure, Curve]:
         """Each mean over a grid's whole length and its derivatives (parameters,) by figure, from one integration.
 
-        S counts from ``zero_of_s``.
+        S counts from ``zero_of_s``. An RMS of 0 has derivatives of 0. {} without figures.
         """
         if not figures:
             return {}
@@ -420,7 +422,8 @@ def _highest_top(
     """Value and derivatives (k,) of the highest top, of equal ones the first; nan where equal ones' derivatives differ.
 
     ``values`` (n,) and ``slopes`` (k, n) are the signal and its derivatives at the tops, ``places`` their angles, rad;
-    ``largest`` is the signal's largest magnitude, against which tops count as equal.
+    ``largest`` is the signal's largest magnitude, against which tops count as equal. A transmission angle that reaches
+    90° is π/2, with derivatives of 0.
     """
     heights, rises = extreme.height(values), extreme.side(values) * slopes
     highest = np.max(heights)

@@ -186,7 +186,10 @@ def part_figure(name: str) -> tuple[str, str]:
 
 
 def figure_names(mechanism: Mechanism) -> list[str]:
-    """Every figure of a design by name, ``stroke`` first, then the peaks; those at an angle are left out."""
+    """Every figure of a design by name: ``stroke``, the peaks, then the other reductions, those of families included.
+
+    None at an angle, of a signal on request, of the driver's own motion or of the thread's feed.
+    """
     return _known_figures(_signals(mechanism))
 
 

@@ -126,7 +126,7 @@ def reduced_figures(
     ``arrays`` are numbers (designs,), SI, by name, ``listed`` is the list of operations of the request's signals. A
     design is doubtful if the samples are too few for its means, or if it may stand in a dead position between two crank
     angles. Figures of a design that cannot move at one of the crank angles are nan. They are computed in threads on all
-    cores.
+    cores. Raises ImportError where numba is missing.
     """
     gathered = _DesignSums(listed, request)
     given, of_rows = listed.split_inputs([result.line for result in gathered.results])
@@ -216,6 +216,7 @@ def design_figures(
 def usual_path(figures: Sequence[Figure], size: int) -> str:
     """The path, "numpy" or "compiled", that "auto" chooses for a linkage of usual size.
 
-    ``size`` is the number of designs times that of crank angles.
+    ``size`` is the number of designs times that of crank angles; of ``figures`` only the number counts. It is "numpy"
+    where numba is missing.
     """
     return "compiled" if is_worthwhile("auto", USUAL_LIST + OF_FIGURE * len(figures), size) else "numpy"

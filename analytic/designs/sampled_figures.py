@@ -104,7 +104,7 @@ def sampled_source(name: str) -> str:
 
 
 class _Marked(NamedTuple):
-    """Sampled tops of a signal's height, and on which side of zero the signal is at each (n,)."""
+    """Sampled tops of a signal's height, and the sign at each (n,), 1 or -1, that makes the signal this height."""
 
     tops: Tops
     sides: Array
@@ -314,7 +314,7 @@ class _Chunk:
     def _signal_at(self, name: str, designs: Integers, phi: Array, near: Array) -> Array:
         """A signal (n, m) of designs (n,), each at its own crank angles (n, m), rad.
 
-        Links' angles are on the branch of the values ``near`` (n,).
+        Links' angles are on the branch of the values ``near`` (n,). Marks in ``faulty`` as ``_curves`` does.
         """
         values: Array = np.empty(phi.shape)
         size = max(1, BLOCK // phi.shape[1])

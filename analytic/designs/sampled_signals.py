@@ -86,9 +86,10 @@ class Designs:
 
     @cached_property
     def trace(self) -> LinkageTrace | None:
-        """The signals as a list of operations; None where the designs have none, as with groups of a higher class.
+        """The signals as a list of operations; None where the designs have none.
 
-        Nor has a thread's feed one, whose reference position is looked for in each design.
+        That is with groups of a higher class, change points or friction, and for a thread's feed, whose reference
+        position is looked for in each design. Raises errors as ``linkage_trace`` does.
         """
         if not is_traceable(self.mechanism) or THREAD_FEED in self.signals:
             return None
@@ -294,7 +295,8 @@ FINEST: Final = 1e-8  # of all crank angles: two assembly modes that are not apa
 def are_steep(determinants: Array) -> Booleans:
     """Which steps between crank angles, (designs, angles - 1), a dead position may lie next to.
 
-    The dyads' ``determinants`` (dyads, designs, angles) are magnitudes; a step beside one that is nan is marked too.
+    There a dyad's determinant is at one end less than 0.6 of that at the other. The dyads' ``determinants`` (dyads,
+    designs, angles) are magnitudes; a step beside one that is nan is marked too.
     """
     before, after = determinants[..., :-1], determinants[..., 1:]
     return np.asarray(np.any(~(np.minimum(before, after) >= LEAST_RATIO * np.maximum(before, after)), axis=0))

@@ -52,7 +52,10 @@ class Contact(NamedTuple):
 
 
 def contacts(sweep: Sweep) -> Iterator[Contact]:
-    """Yield each joint with friction as a ``Contact``: pins, then sliders, then slots."""
+    """Yield each joint with friction as a ``Contact``: pins, then sliders, then slots.
+
+    A pin of several joints has one for each. Raises AssemblyError where the linkage cannot be assembled or moved.
+    """
     linkage, friction = sweep.linkage, sweep.linkage.friction
     for pin in linkage.pins:
         if pin.point in friction:

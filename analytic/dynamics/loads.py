@@ -3,6 +3,8 @@
 By d'Alembert's principle a link's inertia force −m S̈ at its mass centre and inertia torque −J θ̈ are loads like any
 other: with them, all forces and moments on a link balance. What acts between two bodies is two loads. Joint forces and
 the generalised force both come from these.
+
+Functions of a sweep raise AssemblyError where the linkage cannot be assembled or moved, unless it collects ``faults``.
 """
 
 from __future__ import annotations
@@ -39,7 +41,10 @@ class Load:
         return Load(self.body, self.at, force, None if self.torque is None else factor * self.torque)
 
     def power(self, sweep: Sweep) -> Scalar:
-        """The load's power at unit speed of the driver, N m of a crank, N of a driver that is pushed."""
+        """The load's power at unit speed of the driver, N m of a crank, N of a driver that is pushed.
+
+        None for a load with neither force nor torque.
+        """
         turned = None if self.torque is None else self.torque * sweep.rates(self.body)[2]
         if self.force is None:
             return turned

@@ -4,6 +4,8 @@ The units are those of a turning crank; a driver that is pushed has its own (``a
 
 Article 003, eqs (1)-(5) define Jeq; article 000 the equation of motion Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. Primes
 are d/dφ, exact.
+
+Functions of a sweep raise AssemblyError where the linkage cannot be assembled or moved, unless it collects ``faults``.
 """
 
 from __future__ import annotations
@@ -85,9 +87,9 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
 
 
 def group_inertia(sweep: Sweep) -> dict[str, Array]:
-    """Jeq, kg m², (...), of the crank and of every Assur group, by name, as "crank (class I)".
+    """Jeq, kg m², of the driven link, "crank (class I)", and of every Assur group by its name, in order of solving.
 
-    Where a cylinder drives there are groups alone.
+    Each is of the shape of the sweep's angles. Where a cylinder drives there are groups alone.
     """
     linkage = sweep.linkage
     parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)} if linkage.crank else {}
@@ -137,7 +139,7 @@ def load_forces(sweep: Sweep, speed: ArrayLike = 0.0) -> Iterator[tuple[PointFor
 def power(sweep: Sweep, loads: Iterable[Load]) -> Any:  # noqa: ANN401 - plain or traced
     """The power at unit speed of the driver of one load or more together.
 
-    It is in N m of a crank, in N of a driver that is pushed.
+    It is in N m of a crank, in N of a driver that is pushed. Raises ValueError without a load.
     """
     first, *rest = (load.power(sweep) for load in loads)
     return sum(rest, first)
@@ -165,7 +167,7 @@ def kinetic_energy(sweep: Sweep, speed: ArrayLike) -> Array:
 
 
 def potential_energy(sweep: Sweep) -> Array:
-    """Energy of gravity and of the springs, J; its datum is the ground frame's origin."""
+    """Energy of gravity, counted from the ground frame's origin, and of the springs, from their free state, J."""
     linkage = sweep.linkage
     total = np.zeros(sweep.angle.shape)
     if linkage.gravity != (0.0, 0.0):
@@ -176,7 +178,7 @@ def potential_energy(sweep: Sweep) -> Array:
 
 
 def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
-    """Mkr = Jeq ε + ½ Jeq' ω² + b ω − Q, N m: the torque of the drive.
+    """Mkr = Jeq ε + ½ Jeq' ω² + b ω − Q, N m: the torque of the drive, without the friction of joints.
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
     """
@@ -222,7 +224,7 @@ class EquationOfMotion:
     """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads.
 
     A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is its part of φ̈. With a ``table``
-    the terms are read from it.
+    the terms are read from it; without one AssemblyError is raised where the linkage cannot be assembled or moved.
     """
 
     mechanism: Mechanism
@@ -238,7 +240,10 @@ class EquationOfMotion:
         return self.closed_form(angle) if self.table is None else self.table(angle)
 
     def closed_form(self, angle: Array) -> Array:
-        """The ``terms`` from the closed form, whether there is a table or not; shape (3 or 4, *angle.shape)."""
+        """The ``terms`` at crank angles, rad, from the closed form, whether there is a table or not.
+
+        Shape (3 or 4, *angle.shape). Raises AssemblyError where the linkage cannot be assembled or moved.
+        """
         return self._terms_of(self.mechanism.sweep(angle))
 
     def _terms_of(self, sweep: Sweep) -> Array:

@@ -156,7 +156,8 @@ def free_motion(
 
     ``torque`` is M1 on the crank, N m, a number or a law of φ; a torque ``over_time`` and the linkage's loads act
     besides. ``tolerance`` is the error of the speed within one window of integration, relative to it. Raises
-    LinkproofError for a wrong number, where ``equation_of_motion`` does, and where the motion cannot be followed.
+    LinkproofError for a wrong number, where ``equation_of_motion`` does, and where the motion cannot be followed;
+    AssemblyError where the linkage cannot be assembled or moved at the start.
     """
     for name, value in (("start angle", start_angle), ("start speed", start_speed)):
         if not math.isfinite(value):
@@ -175,7 +176,7 @@ def follow(
 
     The motion starts at ``start_angle``, rad, with ``start_speed``, rad/s, and lasts ``duration``, s; ``tolerance`` is
     the error of the speed within one window of integration, relative to it. Raises LinkproofError where the motion
-    cannot be followed.
+    cannot be followed, AssemblyError where the linkage cannot be assembled or moved at the start.
     """
     start = (start_angle, start_speed)
     windows = _integrate_windows(equation, start, duration, NODES, tolerance)
@@ -191,7 +192,7 @@ def _integrate_windows(
 
     ``start`` is (φ, rad, ω, rad/s), ``duration`` in s, ``tolerance`` of the speed within a window, relative to it. Near
     an equilibrium the moment is a small difference, with the rounding of its peak. Raises LinkproofError where the
-    motion cannot be followed.
+    motion cannot be followed, AssemblyError where it cannot begin.
     """
     rounding = ROUNDINGS * EPS * equation.peak_moment
     linkage = equation.mechanism.linkage
@@ -212,10 +213,12 @@ def _integrate_windows(
 
 
 def energy_imbalance(motion: FreeMotion) -> float:
-    """Largest gap between the energy gained and the work of torque, forces and damping, over the energy scale.
+    """Largest gap between the energy gained and the work of torque, forces and damping, as a share of what is at play.
 
-    Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along it;
-    neither uses ½ Jeq' or the equation of motion. A wrong model shows here, since it violates conservation of energy.
+    That is the peak of kinetic energy, the range of potential energy and the most work together; where it is 0, so is
+    the gap. Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature
+    along it; neither uses ½ Jeq' or the equation of motion. A wrong model shows here, since it violates conservation of
+    energy.
     """
     mechanism, starts = motion.equation.mechanism, motion.windows.starts
     ends = mechanism.sweep(motion.angle(starts))
@@ -302,7 +305,10 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
 
 
 def _last_passage(motion: FreeMotion, angle: float) -> float | None:
-    """The last time, s, at which the crank passes an angle, rad; None if it never passes it."""
+    """The last time, s, at which the crank passes an angle, rad; None if it never passes it.
+
+    There and back within one window of integration is not seen.
+    """
     times = motion.windows.starts
     ahead = motion.angle(times) >= angle
     changes = np.flatnonzero(ahead[1:] != ahead[:-1])
@@ -363,7 +369,8 @@ def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | 
 def _one_turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] | None:
     """A motion from φ = 0 at a speed, rad/s, signed, and when, s, it has made one turn.
 
-    None if the crank does not get round in the time of five turns at this speed.
+    None if the crank does not get round in the time of five turns at this speed. Raises LinkproofError where the motion
+    cannot be followed.
     """
     duration = 1.25 * FULL_TURN / abs(speed)
     while duration < SLOWEST * FULL_TURN / abs(speed):

@@ -258,8 +258,9 @@ def named_places(points: Points, poses: Iterable[Pose]) -> dict[str, Vector]:
 def nearest_to_sketch(linkage: Linkage, places: Sequence[Mapping[str, Vector]]) -> tuple[int, list[str] | None]:
     """The index of the configuration nearest to the sketch, and None; where that is unclear, names of points to add.
 
-    ``places`` has for each configuration the positions of points, m, by name. The names are of points that differ
-    between the nearest two, sorted; there may be none.
+    ``places`` has for each configuration, of which there is one or more, the positions of points, m, by name. It is
+    unclear where the second nearest is hardly farther. The names are of points that differ between these two, sorted;
+    there may be none.
     """
     distances = [
         math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in configuration.items() if p in linkage.sketch))

@@ -77,7 +77,8 @@ RANGE_POINTS = 721  # of a range of angles, at which its highest place is looked
 def top_of_turn(mechanism: Mechanism) -> float | None:
     """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it.
 
-    A linear driver never does. Raises LinkproofError without an output or where it stands still over a full turn.
+    A linear driver never does. It is kept for each mechanism. Raises LinkproofError without an output or where it
+    stands still over a full turn.
     """
     if mechanism.linkage.is_linear:
         return None

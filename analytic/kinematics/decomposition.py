@@ -134,7 +134,7 @@ class Matching:
             self.held[name].add(equation)
 
     def loose(self) -> set[str]:
-        """Names of bodies and pins with unknowns left over, and of those that could have them instead."""
+        """Names of bodies and pins with unknowns left over, and of those that depend on such ones, however far."""
         loose = {name for name, size in self.sizes.items() if len(self.held[name]) < size}
         while more := {name for name in self.sizes if self.needs([name]) & loose} - loose:
             loose |= more
@@ -188,9 +188,9 @@ def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
 
 
 def _class_of_group(links: Sequence[str], joints: Sequence[GroupJoint]) -> int:
-    """The most links in the shortest closed contour through an inner joint of the group, and at least 3.
+    """A group's class: the links in the shortest closed contour through an inner joint, of the joint with most of them.
 
-    ``links`` are its links' names.
+    It is at least 3. ``links`` are the names of the group's links, ``joints`` all its joints.
     """
     pairs = {(j.near, j.far) for j in joints if j.near in links and j.far in links}
     return max([3, *(_contour_length(pair, pairs) for pair in pairs)])

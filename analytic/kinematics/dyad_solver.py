@@ -86,7 +86,7 @@ class DyadSolver:
     def severity(self) -> Scalar:
         """Minus the length, m, by which the links fail to meet, per φ; zero where only rounding is missing.
 
-        Where a pose is undefined without a length missing it is a tiny number below zero.
+        For parallel guides it is -1; where a pose is undefined without a length missing, a tiny number below zero.
         """
         with np.errstate(invalid="ignore"):
             missing, lengths = self.form.reach_margin()

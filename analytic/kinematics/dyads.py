@@ -389,7 +389,10 @@ class RRR(_PinDyad):
         return np.minimum(first + second - gap, gap - abs(first - second)), self._bases_size() + first + second
 
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
-        """Take the gap, m, as the arms' sum or difference, so that the links just meet; sets both arms' lengths."""
+        """Take the gap, m, as the arms' sum or difference, whichever is nearer, so that the links just meet.
+
+        Sets both arms' lengths, equal ones where the pins lie on top of each other; ``margin`` does not count.
+        """
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
         if abs(total - gap) < abs(gap - abs(difference)):

@@ -25,7 +25,7 @@ def residuals(joints: Sequence[GroupJoint], motions: Motions, order: int, coordi
     """The equations of joints, derived ``order`` times over φ, 0 where they are met: row by row, in the joints' order.
 
     ``order`` is 0, 1 or 2, ``coordinate`` is φ, rad or m, ``motions`` has pose, rate and acceleration by body. Lengths
-    are in m, angles by their sine, each at n values of φ.
+    are in m, angles by their sine, or for an order above 0 that derivative of the angle itself, each at n values of φ.
     """
     rows: list[Scalar] = []
     for joint in joints:

@@ -114,7 +114,7 @@ class Mechanism:
     def zero_of_s(self) -> float:
         """The output's coordinate at the top dead centre, m, from which loads over S count.
 
-        Raises LinkproofError where the crank makes no full turn, which would show it.
+        Raises LinkproofError where the crank makes no full turn, which would show it, or moves no output.
         """
         return self._top_of_output
 
@@ -149,8 +149,8 @@ class Mechanism:
     def turn(self) -> Sweep:
         """The linkage over a turn in half-degree steps, from which extremes are refined; over its range if pushed.
 
-        Of a linkage that repeats its motion after several turns as many (``period``). Raises AssemblyError where the
-        range of a pushed one cannot be found.
+        A linkage whose motion repeats after several turns only has all of these. Poses are computed when they are
+        needed. Raises AssemblyError where a pushed one cannot be assembled at the sketch.
         """
         if self.linkage.is_linear:
             low, high = self.crank_range().limits

@@ -254,7 +254,8 @@ class Sweep:
     def centre(self, body: str, order: int = 0) -> Pair:
         """Mass centre of a link, by name, m, ground frame, or its derivative of order 1 or 2 over φ.
 
-        It is kept, since all of the dynamics uses it. Raises AssemblyError where it cannot be assembled or moved.
+        It is kept, since all of the dynamics uses it. Raises KeyError for no link of the file, AssemblyError where it
+        cannot be assembled or moved.
         """
         if (body, order) not in self._centres:
             self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
@@ -278,9 +279,9 @@ class Sweep:
     def load(self, law: Law, speed: Scalar) -> Any:  # noqa: ANN401 - plain or traced
         """Components, SI, of a force's or torque's law at the sweep's φ, or at S, 0 where it does not act.
 
-        There is an entry for each. ``speed`` gives the direction of the motion for a law that acts on one way only; a
-        driver at rest counts as advancing. Raises LinkproofError for a law that needs the output of a linkage without
-        one.
+        There is an entry for each. The sign of ``speed`` gives the driver's direction for a law that acts on one way
+        only; at rest it is as if φ grew. Raises LinkproofError for a law that needs the output of a linkage without
+        one, AssemblyError where the output cannot be assembled or moved.
         """
         parts: Any = law(self.places if law.over == "phi" else self.zero_of_s() - self.output())
         if law.when is None:

@@ -29,7 +29,7 @@ MOST: Final = 128  # cells of a row that still differ: of more the integrand is 
 
 
 def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
-    """Means (k, rows) of k integrands over the interval that ascending ``edges`` divide, nan where they are nan.
+    """Means (k, rows) of k integrands over the interval that ascending ``edges`` divide; of one with a nan it is nan.
 
     ``integrands(row, places)`` gives values (k, n, m) for the numbers (n,) of rows, such as designs, at places (n, m).
     The edges are those of every row; one at a jump saves work. The mean over an interval without length is the value

@@ -119,8 +119,8 @@ def highest_tops(sampled: Tops, signs: Array, heights: Heights, count: int) -> t
     """The highest top of each of ``count`` curves, refined between its samples by ``heights``, and its sign.
 
     Both are (count,), nan for a curve without tops. ``heights(top, places)`` gives the heights (r, 3) of tops numbered
-    (r,) at places (r, 3). ``signs`` (n,) are those of the sampled tops: +1, or -1 where the curve is a signal's
-    magnitude and the signal is negative. Of tops that are equal but for rounding the first counts.
+    (r,) at places (r, 3). ``signs`` (n,) are those of the sampled tops: 1, or -1 where the curve is a signal's negative
+    (of a minimum or a magnitude). Of tops that are equal but for rounding the first counts.
     """
     climbed, _ = climb(sampled, heights)
     first, result = first_highest(sampled, climbed, count), np.full((2, count), np.nan)

@@ -14,7 +14,7 @@ SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones
 
 
 def root(function: Callable[[float], float], left: float, right: float) -> float:
-    """Where a continuous function that changes sign between ``left`` and ``right`` is zero, to the last digits.
+    """The place, between ``left`` and ``right``, where a continuous function changes sign, to the last digits.
 
     It is an end where the function is exactly zero, and ``left`` without a change of sign.
     """
