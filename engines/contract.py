@@ -101,14 +101,14 @@ class History:
 
     @property
     def signals(self) -> dict[tuple[Channel, str], Signal]:
-        """Every signal by its channel and, of a joint force, its joint, else ""."""
+        """Every signal there is, by the pair of its channel and its joint, "" for all but joint forces."""
         whole = {channel: getattr(self, channel) for channel in Channel if channel is not Channel.JOINT_FORCE}
         signals = {(channel, ""): signal for channel, signal in whole.items() if signal is not None}
         return signals | {(Channel.JOINT_FORCE, joint): signal for joint, signal in self.joint_force.items()}
 
     @classmethod
     def of(cls, signals: Mapping[tuple[Channel, str], Signal]) -> History:
-        """The history of signals by channel and joint, "" for all but joint forces, as ``signals`` has them."""
+        """The history of signals by pairs of channel and joint, "" but for joint forces, as ``signals`` has them."""
         forces = {joint: signal for (channel, joint), signal in signals.items() if channel is Channel.JOINT_FORCE}
         whole = {
             channel.value: signal for (channel, _), signal in signals.items() if channel is not Channel.JOINT_FORCE
@@ -201,8 +201,9 @@ class Engine(Protocol):
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Build the scene, step it through its drive and return the motion; never raises for a bad simulation.
 
-        A scene that the engine does not support is not stepped: the outcome is UNSUPPORTED, its reason one sentence. Of
-        the scene's channels those are recorded that the engine offers.
+        A scene that the engine does not support is not stepped: the outcome is UNSUPPORTED, its reason one sentence;
+        that of an engine which is not installed is UNAVAILABLE. Of the scene's channels those are recorded that the
+        engine offers.
         """
         ...
 

@@ -84,7 +84,7 @@ def script(
     ``about`` describes the run; it heads the source, with the reason of a run that diverges, which shows no figures.
 
     Raises UnsupportedError, with the reason in a sentence, for a scene that the engine does not take, several runs that
-    are extrapolated, or a loop that imports a part of linkproof.
+    are extrapolated, or a loop that imports a part of linkproof; ImportError where the engine is not installed.
     """
     reason = engine.obstacle(scene)
     if reason is not None:

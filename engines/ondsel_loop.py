@@ -52,7 +52,7 @@ def build(given: Data) -> tuple[AsmtModel, Data]:
 
 
 def make_markers(given: list[tuple[Any, Any]]) -> list[Marker]:
-    """Ondsel's markers at places (x, y, z), m, with axes, each a pair of these, named by number in their order."""
+    """Ondsel's markers, named by number in their order, from pairs of a place, (x, y, z), m, and a matrix of axes."""
     return [Marker(f"marker{number}", *each) for number, each in enumerate(given)]
 
 

@@ -46,7 +46,7 @@ class PybulletWorld:
         self.turn = partial(self.changeConstraint, self.ties[self.drive], **UNLIMITED)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
-        """The function of PyBullet with this name, bound to this world's server; raises AttributeError for none."""
+        """The function of PyBullet with this name, bound to this world's server and kept; AttributeError for none."""
         function = partial(getattr(pybullet, name), physicsClientId=self.client)
         setattr(self, name, function)  # bound once, not in every step
         return function
@@ -114,7 +114,10 @@ class PybulletWorld:
         self.stepSimulation()
 
     def state(self) -> Any:  # noqa: ANN401
-        """x, y, angle and their rates of every body but the ground, (bodies, 6); the angle is from -π to π."""
+        """x, y, angle and their rates of every body but the ground, (bodies, 6); the angle is from -π to π.
+
+        It counts from the start.
+        """
         rows = []
         for body in self.bodies[:-1]:
             place, turn = self.getBasePositionAndOrientation(body)

@@ -191,7 +191,8 @@ def why_unusable(package: str, extra: str, oldest: str = "") -> str | None:
     """The reason, with the cure, why an engine cannot be used: its package is absent or too old; else None.
 
     The package's metadata tell, nothing is imported. ``extra`` is the extra of linkproof that brings the package, if
-    there is one of that name, ``oldest`` the first version that will do, "" for any.
+    there is one of that name, ``oldest`` the first version that will do, "" for any. Raises PackageNotFoundError where
+    it cannot be used and linkproof itself is not installed.
     """
     version = installed_version(package)
     if version is not None and _version_numbers(version) >= _version_numbers(oldest):

@@ -314,8 +314,9 @@ def build_scene(
 ) -> Scene:
     """The scene, which is all that an engine is given of a linkage; ``start`` has each link by name, as a body.
 
-    A slider that acts as a point mass becomes a pin in a slot, and its inertia its host's. ``channels`` are those to
-    record. ``zero_of_s`` is the output's coordinate, m, from which loads over S count.
+    A slider that acts as a point mass becomes a pin in a slot, and its inertia its host's; a body that cannot turn has
+    no inertia. ``channels`` are those to record. ``zero_of_s`` is the output's coordinate, m, from which loads over S
+    count. Raises KeyError for a link that ``start`` lacks.
     """
     merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
@@ -423,9 +424,9 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
-    """A copy of a body's start for the scene: no inertia if it cannot turn, else that of pin masses in it added.
+    """A copy of a body's start for the scene: without inertia and turning if it cannot turn, else with its pin masses.
 
-    ``merged`` are the sliders by link that count as pin masses.
+    These are the sliders on it among ``merged``, by link, whose inertias are added to its own.
     """
     hosts = {slider.link: slider.guide.host for slider in linkage.sliders}
     if start.inertia is None or start.name in merged or not turns(start.name, hosts):

@@ -219,7 +219,8 @@ class SimbodyEngine(LoopEngine[SimbodyRecipe]):
     def refusal(self, scene: Scene) -> str | None:
         """The reason why Simbody cannot hold a scene; None if it can.
 
-        It takes no loads over φ on a released crank, no linear force over time, and not every body without mass.
+        It takes no loads over φ on a released crank, no linear force over time, no inertia without mass, no body that
+        only slots hold, no loop of sliders alone, and at an end of its tree no body without mass or inertia.
         """
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
         if isinstance(scene.drive, Free):

@@ -69,7 +69,7 @@ def _scheme(linkage: Linkage) -> Any:  # noqa: ANN401 - a figure of matplotlib
 def _public(name: str, value: Any) -> Any:  # noqa: ANN401 - of any name
     """The value of a public name, unchanged.
 
-    Asked for ``Linkage`` or ``load``, it first gives the class Linkage what its ``plot`` draws with.
+    Asked for ``Linkage`` or ``load``, it first sets ``Linkage.drawing`` to ``_scheme``, by which ``plot`` draws.
     """
     if name in ("Linkage", "load"):
         import_module("analytic.description.linkage").Linkage.drawing = staticmethod(_scheme)
@@ -81,7 +81,7 @@ if not TYPE_CHECKING:  # to whom every name would be there
     def __getattr__(name: str) -> object:
         """A public name, imported now; raises AttributeError for another one.
 
-        Raises ImportError as ``refuse_strangers`` does.
+        Raises ImportError as ``refuse_strangers`` does, but not for ``__version__``.
         """
         if name == "__version__":
             return import_module("importlib.metadata").version("linkproof")

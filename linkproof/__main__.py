@@ -4,7 +4,10 @@ from linkproof import refuse_strangers
 
 
 def main() -> None:
-    """Run the command line of ``sys.argv``; raises ImportError first if another package stands in linkproof's place."""
+    """Run the command line of ``sys.argv`` and exit the process with its code.
+
+    Raises ImportError first if another package stands in the place of one of linkproof's, or one is missing.
+    """
     refuse_strangers()
     from reports.command_line.main import main as run  # noqa: PLC0415  not a stranger's
 

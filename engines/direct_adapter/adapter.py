@@ -100,7 +100,7 @@ def _shifted(piece: DenseOutput, offset: Array) -> Callable[[Array], Array]:
 def _rate_function(equations: Equations, path: Path, drive: Free) -> Callable[[float, Array], tuple[float, float]]:
     """The rate (φ̇, φ̈) of the state (φ, φ̇) as a function of time, s, and state, for an integrator; NaN off the path.
 
-    φ is in rad or units. Raises UnsolvableError where the equation of motion is not finite.
+    φ is in rad or units. Raises UnsolvableError where the equation of motion is not finite or joints cannot be closed.
     """
     scene, scale = equations.scene, equations.driver.scale
     table = _coefficient_table(equations, path)
@@ -141,7 +141,8 @@ def _polynomial_values(polynomials: Sequence[Sequence[float]], x: float) -> list
 def _coefficient_table(equations: Equations, path: Path) -> BSpline:
     """The c coefficients of ``_coefficients`` over φ, rad or units, of a path, as a spline with values (n, c).
 
-    It has as many places as make it exact, or the last of COUNTS. Raises UnsolvableError where they are not finite.
+    It has as many places as make it exact, or the last of COUNTS. Raises UnsolvableError where they are not finite or
+    joints cannot be closed.
     """
     for count in COUNTS:
         places = np.linspace(path.low, path.high, count)
@@ -159,11 +160,12 @@ def _coefficient_table(equations: Equations, path: Path) -> BSpline:
 
 
 def _coefficients(equations: Equations, path: Path, angle: Array) -> tuple[Array, Array]:
-    """Rows (c, n): q'ᵀMq', q'ᵀMq'', q'ᵀF at rest, drag per φ̇, and the levers of loads over φ; and their terms' sizes.
+    """Rows (c, n): q'ᵀMq', q'ᵀMq'', q'ᵀF at rest, drag per φ̇, levers of varying loads; and their terms' sizes, (c, n).
 
-    ``angle`` (n,) is φ, rad or units. A lever of S itself is last where loads depend on it. The sizes take each
-    coordinate's lever for at least one unit of length: what is small beside them is cancellation. Raises
-    UnsolvableError where joints cannot be closed.
+    ``angle`` (n,) is φ, rad or units; all else is SI, over φ. F has the constant loads; a varying force has a lever
+    for each component, a torque one. S itself, m, is last where loads depend on it. The sizes take each coordinate's
+    lever for at least one unit of length: what is small beside them is cancellation. Raises UnsolvableError where
+    joints cannot be closed.
     """
     pose = path.closed_pose(angle)
     arms, metric = equations.arms(pose), pose.scaled(equations.unit)
@@ -212,9 +214,9 @@ LEAST_STEPS = 8  # fewer intervals cannot be read between
 
 
 def _sample_times(duration: float, spacing: float | None, turns: float, least: int = LEAST_SAMPLES) -> Array:
-    """Instants (n,), s, evenly from 0 to ``duration``, at most ``spacing``, s, apart.
+    """Instants (n,), s, evenly from 0 to ``duration``, at most ``spacing``, s, apart, in LEAST_STEPS intervals or more.
 
-    If that is None they are as the driver's ``turns`` in all need, in ``least`` intervals or more.
+    For None they are SAMPLES_PER_TURN over each of the driver's ``turns``, in ``least`` intervals or more.
     """
     samples = max(least, round(SAMPLES_PER_TURN * turns))
     if spacing is not None:

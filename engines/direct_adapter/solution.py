@@ -61,10 +61,10 @@ class Equations(JointEquations):
             raise UnsolvableError("the constraint equations are singular") from None
 
     def close_joints(self, pose: Pose, coordinate: Reals) -> Pose:
-        """The poses with all joints closed, by Newton's method from as many poses that are near.
+        """New poses with all joints closed, by Newton's method, from ``pose``, n poses that are near them.
 
-        ``coordinate`` (n,) is φ, rad or units. Raises UnsolvableError where the method does not settle or a matrix is
-        singular.
+        ``coordinate`` (n,) is φ there, rad or units. Raises UnsolvableError where the method does not settle or a
+        matrix is singular.
         """
         before = math.inf
         for _ in range(MOST_ITERATIONS):
@@ -160,7 +160,7 @@ def _joint_multipliers(equations: Equations, arms: Arms, matrix: Reals, rate: Re
     """λ (n, rows), N, of joints that give the bodies what they need, (n, bodies, 3), friction taken in repeatedly.
 
     ``matrix`` is G; ``needs`` are N and N m; ``rate`` (n, bodies, 3) is the motion that friction is against. Raises
-    UnsolvableError where friction grows without end: the linkage locks.
+    UnsolvableError where G is singular or friction grows without end: the linkage locks.
     """
     transposed = matrix.swapaxes(1, 2)
     multipliers = equations.solve(transposed, equations.generalised(needs))

@@ -137,7 +137,10 @@ class ExudynModel:
         ]
 
     def _add_body(self, body: Body) -> None:
-        """Add a body, with its weight if it has any; a body that cannot turn needs no inertia."""
+        """Add a body's node and object, noted by its name, and its weight if it has any.
+
+        The angle of one without inertia is held, unless a slider holds it.
+        """
         place, rate = [*body.position, body.angle], [*body.velocity, body.angular_velocity]
         number = self._add_item("Node", "RigidBody2D", {"referenceCoordinates": place, "initialVelocities": rate})
         self.nodes[body.name], inertia = number, body.inertia or 0.0
@@ -230,8 +233,9 @@ class ExudynModel:
 def add_sensors(model: ExudynModel) -> dict[str, Any]:
     """Add sensors for the scene's channels to a model; returns their numbers as plain data for the loop.
 
-    ``motion_sensors`` has them by channel and body, ``force_sensors`` by joint, with what turns the force into the
-    ground frame; ``sensors`` is how many there are.
+    ``motion_sensors`` has lists of them, one a body, by channel, ``torque_sensor`` the drive's or None.
+    ``force_sensors`` has pairs by joint: the number, and None or, for a force in a body's frame, the body's angle, rad,
+    at the start and the number of a sensor of its coordinates. ``sensors`` is how many there are.
     """
     channels = model.scene.channels
     motion = {

@@ -54,7 +54,10 @@ class LinearDriver:
     """
 
     def __init__(self, given: Data, travel: Callable[[float, int], float]) -> None:
-        """Hold the driver's ends; ``travel`` gives φ, m, or its derivative by time, s, and order."""
+        """Hold the driver's ends, as the model's ``linear`` gives them, and ``travel``, called with time, s, and order.
+
+        It returns φ, m, or its derivative of that order.
+        """
         self.ends, self.along, self.travel = given["ends"], given["along"], travel
 
     def span(self, coordinates: Sequence[float]) -> tuple[float, list[float]]:
@@ -323,9 +326,9 @@ def solve(world: ExudynWorld, part: Data, course: Data) -> None:
 def read(world: ExudynWorld, *, first: bool, before_jump: bool) -> Iterator[tuple[str, str | None, Array, Array]]:
     """Yield the samples of the latest solve that are exudyn's own: channel, joint or None, times, s, and values.
 
-    Of the state it started from they are only the run's first. The multipliers belong to a step, not to a state: loads
-    have no sample at the start. Nor have accelerations where those of the scene were given to start from. Both have
-    none at a jump, where they have two values.
+    The state that the solve started from has one in the run's ``first`` part alone. The multipliers belong to a step,
+    not to a state: torque and joint forces have no sample at a start. Nor have accelerations where those of the scene
+    were given to start from. None of these has one at an end that is ``before_jump``, where they have two values.
     """
     given, end = world.given, -1 if before_jump else None
     data = [world.mbs.GetSensorStoredData(number) for number in range(given["sensors"])]

@@ -92,7 +92,10 @@ class JointEquations:
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
-        """Set ``free``, places in the flat (bodies, 3), its inverse ``column``, ``size`` and the ``mass``."""
+        """Set ``free``, the free coordinates' places in the flattened (bodies, 3), their number ``size``, and ``mass``.
+
+        ``column``, (bodies, 3), is each coordinate's number among the free ones, ``size`` for one that is fixed.
+        """
         can_turn = [body.inertia is not None for body in self.scene.bodies]
         free = np.array([(True, True, turns) for turns in can_turn] + [(False, False, False)])
         self.free = np.flatnonzero(free)
@@ -102,7 +105,10 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        """Set the row numbers of pins, lines, kept angles and driver, and the driver's body and column."""
+        """Set the row numbers of pins, lines, kept angles and driver, and ``rows``, their count.
+
+        Of each pair that keeps its angle, if either turns, it sets the bodies' numbers and the angle's cosine and sine.
+        """
         turning = [pair for pair in self.geared if any(map(self._can_turn, pair))]
         self.turn_body = self._numbers([body for body, _ in turning])
         self.turn_host = self._numbers([host for _, host in turning])
@@ -121,7 +127,10 @@ class JointEquations:
         return bool(self.column[self.index[name], 2] != self.size)
 
     def _constant_entries(self) -> Reals:
-        """The entries of the Jacobian that no pose changes, (rows, coordinates + 1)."""
+        """The entries of the Jacobian that no pose changes, (rows, coordinates + 1), 0 elsewhere.
+
+        The last column takes those of fixed coordinates.
+        """
         entries = np.zeros((self.rows, self.size + 1))
         pins = slice(0, self.pins)
         for rows, part in ((self.x_rows, 0), (self.y_rows, 1)):

@@ -73,7 +73,7 @@ class SpanningTree:
         return next(name for name in first if name in second)
 
     def hinges(self, name: str) -> set[str]:
-        """Names of those among the body of this name and all that carry it which hang on their parents by no slider."""
+        """Names of a body and of those that carry it, but for the ground and those on their parents by a slider."""
         chain = self._chain(name)
         turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
         return turning & set(chain)
@@ -132,8 +132,8 @@ def spanning_tree(scene: Scene) -> SpanningTree:
 def slots_as_blocks(scene: Scene, mass: float) -> Scene:
     """A copy of the scene with a block in every slot, for engines without a constraint of point and line.
 
-    A block of ``mass``, kg, slides in the slot's host and is pinned to its body; the pin has the slot's name. Its
-    acceleration at the start, which no engine asks for, is not set.
+    A block of ``mass``, kg, slides in the slot's host and is pinned to its body; the pin has the slot's name, block and
+    slider are the "block of" it. Its acceleration at the start, which no engine asks for, is not set.
     """
     bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
     pins, sliders = [*scene.pins], [*scene.sliders]
@@ -172,7 +172,7 @@ def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bo
 
 
 def point_motion(body: Body, anchor: Vector) -> tuple[complex, complex]:
-    """Position, m, and velocity, m/s, of a point of a body's frame at the start, as complex numbers."""
+    """Position, m, and velocity, m/s, in the ground frame, of a point of a body's frame at the start, complex."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
 

@@ -60,11 +60,17 @@ class Pose:
         return result
 
     def arm(self, body: int, anchor: Vector) -> Reals:
-        """The vector from a body's mass centre to a point fixed in it, (n, 2)."""
+        """The vector, ground frame, (n, 2), from a body's mass centre to a point, ``anchor``, of its frame.
+
+        ``body`` is its number; lengths are in the anchor's unit.
+        """
         return self.turned(np.array([anchor]), np.array([body]))[:, 0]
 
     def point(self, body: int, anchor: Vector) -> Reals:
-        """The position of a point fixed in a body, (n, 2)."""
+        """The position, ground frame, (n, 2), of a point, ``anchor``, of the frame of a body, by its number.
+
+        The anchor is in the pose's unit of length.
+        """
         return self.place[:, body] + self.arm(body, anchor)
 
 

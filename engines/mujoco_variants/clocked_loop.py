@@ -52,7 +52,8 @@ class ClockedWorld(MujocoWorld, ABC):
     def states(self, part: Data, course: Data, warnings: list[str]) -> Iterator[tuple[Any, ...]]:
         """Step through a part and yield its samples as ``read`` returns them; ``warnings`` are left alone.
 
-        Names the device in the course's ``details`` once all samples are taken.
+        A part that starts at 0 s begins ``lead`` time constants earlier, without samples. Names the device in the
+        course's ``details`` once all samples are taken.
         """
         model, data, ratio, settle = self.model, self.data, course["ratio"], self.given["settle"]
         sample, lead = (part["end"] - part["start"]) / part["samples"], 0 if part["start"] else ceil(self.lead * settle)

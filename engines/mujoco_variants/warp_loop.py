@@ -24,7 +24,7 @@ class WarpWorld(ClockedWorld):
         mujoco_warp.step(self.other, self.start())  # compiles
 
     def start(self) -> mujoco_warp.Data:
-        """A copy of the start state on Warp's device."""
+        """A new copy of the start state, C MuJoCo's present one, on Warp's device."""
         return mujoco_warp.put_data(self.model, self.data, nconmax=1, njmax=self.data.nefc)
 
     def begin(self) -> None:

@@ -77,7 +77,10 @@ class PartLayout:
         return coordinates - 2 * len(self.scene.pins) - len(self.scene.guided) - len(self.gears)
 
     def tangent(self, scene: Scene) -> tuple[list[Vector], list[float]]:
-        """Velocities of all parts, m, and spins, rad, per rad or m of φ, at the start of the uncut ``scene``."""
+        """Velocities of all parts, m, and spins, rad, per rad or m of φ, at the start of the uncut ``scene``.
+
+        Of a start from rest they are along the accelerations.
+        """
         position, rate, second = start_motion(scene)
         _, speed, gain = (float(value[0]) for value in driven(scene, position, rate, second))
         # Whatever starts from rest sets off along its acceleration.

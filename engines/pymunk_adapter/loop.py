@@ -42,7 +42,7 @@ BUFFER = batch.Buffer()  # pymunk never frees one
 
 
 def arm(body: pymunk.Body, anchor: Point, ahead: float) -> pymunk.Vec2d:
-    """The vector, m, from a body's centre to a point of it, ``ahead`` seconds from now at the present velocity."""
+    """The vector, m, ground frame, from a body's centre to a point of it, ``ahead`` s from now at its present spin."""
     return pymunk.Vec2d(*anchor).rotated(body.angle + ahead * body.angular_velocity)
 
 
@@ -288,9 +288,9 @@ def follow(world: PymunkWorld, course: Data) -> Data:
         result["torque"] = times, given["offset"] - torque if centred else torque
 
     def state(steps: Any, ahead: float = 0.0, rates_of: Any = None) -> tuple[Array, Array]:  # noqa: ANN401
-        """Positions and velocities, ``ahead`` s later, of mass centres after these steps.
+        """Positions of bodies after these steps, and velocities ``ahead`` s later, each (steps, bodies, 3).
 
-        ``rates_of`` names other steps for the rates.
+        ``rates_of`` are the numbers of other steps, of as many, for the velocities.
         """
         of, rate = (np.searchsorted(looks, each) for each in (steps, steps if rates_of is None else rates_of))
         return centre_motion(given["offsets"], seen[of, :, 0], seen[rate, :, 1], ahead)
@@ -362,16 +362,17 @@ def take_steps(
 
 
 def body_states(space: pymunk.Space) -> bytes:
-    """Places, m, angles, rad, and velocities of all bodies, the static one last, as bytes of six doubles each."""
+    """Place, m, angle, rad, and their rates of all bodies, the static one last, as bytes of six doubles each."""
     BUFFER.clear()
     batch.get_space_bodies(space, STATE, BUFFER)
     return bytes(BUFFER.float_buf())
 
 
 def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: float) -> tuple[Array, Array]:
-    """Positions of mass centres from those of the parts that carry the bodies, and velocities ``ahead`` s later.
+    """Positions of bodies from those of the parts that carry them, and velocities ``ahead`` s later, (n, bodies, 3).
 
-    The parts' centres lie at ``offsets``, in their frames, from the mass centres'.
+    ``place`` and ``rate``, (n, parts, 3), are x, y and angle of the parts and their rates; those that carry bodies come
+    first. ``offsets``, in their frames, m, lead from their centres to the bodies' mass centres.
     """
     place, rate = place[:, : len(offsets)].copy(), rate[:, : len(offsets)].copy()
     for values, arms in (
@@ -386,9 +387,9 @@ def centre_motion(offsets: list[complex], place: Array, rate: Array, ahead: floa
 def set_start_velocities(world: PymunkWorld, rate: float, step: float) -> None:
     """Give the parts the velocities of the start or, if ``centred``, those of the first step's middle.
 
-    ``rate`` is the driver's prescribed speed in that step. These are the motion's tangent at the start, at the speed in
-    the middle of the step: the first step then opens the joints as every later step does, and the next one closes them
-    as later ones do.
+    ``step`` is in s, ``rate`` the driver's prescribed speed in it, rad/s or m/s; of a free one its start's acceleration
+    counts. These are the motion's tangent at the start, at the speed in the middle of the step: the first step then
+    opens the joints as every later step does, and the next one closes them as later ones do.
     """
     speed, gain = world.given["driver_rates"]
     if world.given["centred"]:

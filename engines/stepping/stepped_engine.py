@@ -68,7 +68,8 @@ class Recipe(Pace):
     def parts(self, scene: Scene) -> list[Interval]:
         """The scene's motion as intervals in order, each in basic steps.
 
-        Of a linear drive a travel of the scene's size counts as a turn.
+        Of a linear drive a travel of the scene's size counts as a turn. A free drive has one interval, cut at the kinks
+        of its torque if ``at_kinks``.
         """
         drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
         pace = self if turns else replace(self, turn=scene_size(scene))
@@ -84,7 +85,10 @@ class Recipe(Pace):
         return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest_step(self, speed: float) -> float:
-        """The longest step, s, at a driver ``speed``, rad/s or m/s, by ``step`` and ``steps_per_turn``."""
+        """The longest step, s, at a driver ``speed``, rad/s or m/s, by ``step`` and ``steps_per_turn``.
+
+        At the speed 0, or without steps per turn, ``step`` alone counts, which may be infinite.
+        """
         turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 
@@ -317,7 +321,8 @@ class LoopEngine(SteppedEngine[Any, R]):
     def build(self, scene: Scene, recipe: R) -> Any:  # noqa: ANN401 - the loop's
         """The loop's world, built from the plain data of the scene.
 
-        An ArithmeticError of the loop is raised as UnsupportedError. Raises TypeError for a model of other data.
+        An ArithmeticError of the loop is raised as UnsupportedError, one of a subclass, as ZeroDivisionError, as it is.
+        Raises TypeError for a model of other data.
         """
         model = plain(self.model(scene, recipe))
         try:
@@ -329,7 +334,7 @@ class LoopEngine(SteppedEngine[Any, R]):
         """The history of a pass, from the loop's samples, in the world's units.
 
         The course's cost takes the ``details`` that the loop reports. An ArithmeticError of the loop is raised as
-        DivergedError.
+        DivergedError, one of a subclass, as ZeroDivisionError, as it is.
         """
         given = plain_course(course)
         try:
