@@ -106,7 +106,7 @@ def noise_note(bench: Bench) -> str:
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:
-    """The labels of all engines of a benchmark, by the engine's name, those of controls last."""
+    """The labels of all engines of a benchmark, by the engine's name, sorted, those of controls last."""
     known = bench.table.sort_values(["is_control", "engine"])
     return dict(zip(known.engine, known.label, strict=True))
 
@@ -119,7 +119,8 @@ def judged_by(regimes: Regimes) -> str:
 def failed_methods(points: DataFrame) -> tuple[str, ...]:
     """Methods that never finished as texts, "RK4, Euler: diverged: …", one per reason, then what the engine omits.
 
-    ``points`` are the rows of one engine in a place. What it omits are quantities, as it states them.
+    ``points`` are the rows of one engine in a place; its name stands where no method was tried. What it omits are
+    quantities, as it states them.
     """
     done = points[points.finished]
     first = points[~points.setting.isin(done.setting)].drop_duplicates("setting").itertuples()
@@ -204,7 +205,8 @@ def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple
 def _choice_rows(points: DataFrame) -> Iterator[tuple[str, ...]]:
     """Yield the rows of an engine's cheapest way to each wanted error: label, error, time, way, as texts.
 
-    Neighbouring errors that one point serves share a row. ``points`` are the engine's rows in a quantity.
+    Neighbouring errors that one point serves share a row; so do those not reached, a dash for their time and the least
+    error for the way. ``points`` are the engine's rows in a quantity.
     """
     label, least_error = points.label.iloc[0], points.error_max[points.finished].min()
     for record, part in groupby(zip(choices(points), WANTED, strict=True), key=lambda pair: pair[0]):

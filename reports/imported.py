@@ -29,7 +29,10 @@ MOST_OTHERS = 4  # causes listed besides the likeliest
 
 
 def share(value: float) -> str:
-    """A ratio as text in per cent, to two digits: 13 %, 0.0021 %, 3.1e-6 %; whole above 10 %, 0 % below 1e-12."""
+    """A ratio as text in per cent, to two digits: 0.0021 %, below 1e-5 % as 3.1e-6 %; whole from 10 % on: 13 %.
+
+    A ratio below 1e-12 is 0 %.
+    """
     if value < NOTHING:
         return "0 %"
     digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
@@ -60,7 +63,10 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
 
 
 def sentence(judgement: ImportedJudgement) -> str:
-    """The verdict of a judgement in one sentence, with the signals over the limit or undecided, up to five each."""
+    """The verdict of a judgement in one sentence, with the signals over the limit or undecided, up to five each.
+
+    Where all are within it, the likeliest cause of a difference that remains, or else peaks between samples are named.
+    """
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
     over, open_ = (_names_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
     still_open = f"; {len(open_)} undecided: {_first_names(open_)}" if open_ else ""
@@ -98,7 +104,10 @@ def sentences(judgement: ImportedJudgement) -> list[str]:
 
 
 def _cause_in_a_sentence(judgement: ImportedJudgement, finding: FaultFinding) -> str:
-    """The likely cause of the difference in some signals with its rivals, and a second sentence on what it leaves."""
+    """The likely cause of the difference in some signals with its rivals, and a second sentence on what it leaves.
+
+    Of more than four rivals the first four are named; corrections that had to come first are stated as --map words.
+    """
     aligned = "".join(
         f"with {name} corrected first by {judgement.imported.written(name, c)} " for name, c in finding.aligned.items()
     )
@@ -144,7 +153,10 @@ def _first_names(names: Sequence[str]) -> str:
 
 
 def _worst_place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
-    """The crank's place at the largest error as text: its angle, or the travel of a linear drive."""
+    """The crank's place at the largest error as text: its angle in degrees, or the travel of a linear drive.
+
+    The angle is within 360° if the motion makes a whole turn.
+    """
     angle = verdict.worst_angle
     if judgement.model.linkage.is_linear:
         return judgement.model.linkage.phi.text(angle)
@@ -156,7 +168,7 @@ def _worst_place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
     """The cells of one signal: error, rounding, time, ``place`` and both values where it is worst, unit.
 
-    A name has a * where the signal is near zero.
+    An undecided signal has that word for its error; a name has a * where the signal is near zero.
     """
     sign, unit, value = RUNS[verdict.outcome.value], verdict.unit, verdict.unit_value
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word

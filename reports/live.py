@@ -99,7 +99,7 @@ def pulls(mechanism: Mechanism) -> Mapping[str, list[dict[str, str]]]:
 
     The "way" is "place", which moves the point in the body's frame, "length", its distance from the point "about"
     there, or "crank", that distance while the crank turns with it. A point by which a group hangs on placed links
-    belongs to those.
+    belongs to those; a slider's own point, and links of groups without a closed form, have none.
     """
     linkage, structure = mechanism.linkage, mechanism.structure
     groups = {point: [{"body": GROUND, "way": "place", "about": ""}] for point in linkage.ground}
@@ -287,7 +287,10 @@ def _extra_number(name: str, label: str, role: str, value: float, unit: str) -> 
 
 
 def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
-    """Data of the drawing, JSON-ready: points of bodies in their frames, m, guides, springs, joints, loads, pulls."""
+    """Data of the drawing, JSON-ready: points of bodies and mass centres in their frames, m, guides, springs, cylinder.
+
+    And joints, loads, output, crank with its pivot, and ``pulls``.
+    """
     linkage = mechanism.linkage
     guides = [(slider.link, slider.point, slider.guide, slider.link) for slider in linkage.sliders]
     guides += [("", slot.point, slot.guide, slot.name) for slot in linkage.slots]
@@ -320,7 +323,7 @@ def _drawing_data(mechanism: Mechanism) -> dict[str, Any]:
 
 
 def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
-    """Yield "name", "point" and loaded link, "on", of every joint, for the arrows of forces."""
+    """Yield a dict for every joint, for the arrows of forces: its "name", its "point", the loaded link as "on"."""
     for pin in linkage.pins:
         yield from ({"name": joint, "point": pin.point, "on": link} for joint, link in pin.joints.items())
     for slider in linkage.sliders:
@@ -341,7 +344,10 @@ ALWAYS: Final = (PHI, SPEED, ACCELERATION, ZERO_OF_S)  # of a row, in this order
 
 @dataclass(frozen=True)
 class Model:
-    """The ``program`` of a linkage's function, the ``numbers`` that it is given by name, and what else it takes."""
+    """The ``program`` of a linkage's function, the ``numbers`` that it is given by name, and what else it takes.
+
+    That is ``data``, JSON-ready: laws of loads, motion, and the groups of the linkage.
+    """
 
     mechanism: Mechanism
     program: Program

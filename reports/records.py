@@ -232,7 +232,7 @@ def setting_rank(setting: str) -> int:
 
 
 def columns(results: CampaignResults) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Families of quantities, in the table's order and then as they come, and names of invariants as they come."""
+    """A pair: families of quantities, in the table's order and then as they come; names of invariants as they come."""
     table = dict.fromkeys(family(record.quantity) for record in results.records)
     known = [name for name in QUANTITIES if name in table]
     quantities = (*known, *(name for name in table if name not in known))
@@ -349,7 +349,10 @@ def changes_table(changes: Sequence[Change]) -> tuple[Table, ...]:
 
 
 def _change_row(entry: Change, count: int = 1) -> tuple[str, ...]:
-    """The row of a change, 9 texts; with a ``count`` over 1, of so many quantities of a run that changed alike."""
+    """The row of a change, 9 texts in the order of ``HEAD``.
+
+    With a ``count`` over 1 it is of so many quantities of a run that changed alike, the last four texts "".
+    """
     mechanism, variant, regime, _, engine, setting, quantity = entry.place
     place = (f"{mechanism} ({variant})", regime, f"{engine} {setting}".rstrip())
     is_figure = engine == CLOSED_FORM
@@ -382,7 +385,8 @@ READOUTS = ("channel", "in the engine", "frame", "instant", "drive's share")
 def origin_words(records: Sequence[Error], runs: int) -> str:
     """The origin of a run's results in words: "1 run, read", "4 runs, extrapolated", "control"; "" without any.
 
-    ``records`` are the run's, ``runs`` is the number of passes, extrapolated if there are several.
+    It is "read in part" where the adapter computes some. ``records`` are the run's, ``runs`` is the number of passes,
+    extrapolated if there are several.
     """
     words = [record for record in records if record.origin]
     if not words:
@@ -450,7 +454,10 @@ def printout(engine_name: str, checks: Sequence[CheckResult]) -> Printout:
 
 
 def _rows(results: Sequence[CheckResult]) -> list[Sequence[TableCell | Words]]:
-    """The rows of the checks: name, finding, detail; mutants with the same outcome and words share a row."""
+    """The rows of the checks: name, finding, detail; mutants of the same finding and detail share a row.
+
+    That has their number. Each mutant that failed has a row of its own.
+    """
     groups: Counter[tuple[str, Finding, str]] = Counter()
     for each in results:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED

@@ -54,18 +54,21 @@ class Contents:
 
     @cached_property
     def kinds(self) -> frozenset[str]:
-        """The kinds of the studies in the folder; raises LinkproofError for one of an older version."""
+        """The kinds of the studies in the folder, of an older version too; raises LinkproofError for damaged ones."""
         every = (*campaign.KINDS, work_precision.KIND, stress_test.KIND)
         return frozenset(kind for kind in every if has_study(self.path, kind))
 
     @cached_property
     def campaign(self) -> CampaignResults | None:
-        """The comparison or judgement in the folder; None without one. Raises LinkproofError for a damaged one."""
+        """The comparison or judgement in the folder; None without one.
+
+        Raises LinkproofError for one that is damaged or of an older version.
+        """
         return campaign.load(self.path) if self.kinds & {*campaign.KINDS} else None
 
     @property
     def comparison(self) -> CampaignResults | None:
-        """The comparison of engines in the folder; None without one. Raises LinkproofError for a damaged one."""
+        """The comparison of engines in the folder; None without one. Raises as ``campaign`` does."""
         return self.campaign if campaign.COMPARE in self.kinds else None
 
     @cached_property
@@ -103,11 +106,17 @@ class Contents:
         return pages
 
     def _mechanism(self, sheet: Sheet) -> Page:
-        """The page of the mechanism of a sheet, with its part of the campaign or judgement in the folder, if any."""
+        """The page of the mechanism of a sheet, with its part of the campaign or judgement in the folder, if any.
+
+        Raises as ``campaign`` does.
+        """
         return mechanism_page.page(sheet, self.campaign)
 
     def _index(self) -> Page:
-        """The first page of several, with a link to each study and a sentence on it."""
+        """The first page of several, with a link to benchmark and stability maps and a sentence on each, if there.
+
+        Raises LinkproofError for a study that is damaged or of an older version.
+        """
         studies: list[Words] = []
         cost: tuple[Paragraph, ...] = ()
         if work_precision.KIND in self.kinds:

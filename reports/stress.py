@@ -42,7 +42,10 @@ WRONG_MOTIONS = (StressVerdict.CAUGHT, StressVerdict.MISSED)
 
 
 class StressSign(NamedTuple):
-    """The sign of a verdict, from ``signs.toml``, and its meaning."""
+    """The sign of a verdict, from ``signs.toml``, and its meaning in words.
+
+    ``fill`` and ``ink`` are its colours on a page, ``terminal`` is a style of the terminal, "" for none.
+    """
 
     symbol: str
     fill: str
@@ -135,7 +138,8 @@ def border_place(border: Border, values: Sequence[float]) -> int:
 def cell_facts(result: Cell) -> dict[str, str]:
     """The facts of a cell by heading: why it is wrong, what the checks flag, deviation, invariant, work, conditions.
 
-    Of a cell that is not wrong, the reason of its verdict comes first. Those without words are left out.
+    They are texts. Of a cell that is not wrong the first is "Reason", that of its verdict. Those without words are left
+    out.
     """
     wrong, _, flagged = result.reason.partition(FLAGGED)
     parts = {
@@ -229,7 +233,11 @@ def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "")
 
 
 def _compact(count: Counter[StressVerdict]) -> TableCell:
-    """Counts of verdicts as one cell, ``12✓ 3○ 2!``; missed motions and false alarms give it their colour."""
+    """Counts of verdicts as one cell, ``12✓ 3○ 2!``; missed motions and false alarms give it their colour.
+
+    Its style is "failed" for these, "pass" where some cells are within the limit and no engine or check was at fault,
+    else "".
+    """
     text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
     loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
     fine = count[StressVerdict.WITHIN] and not any(count[fault] for fault in FAULTS)
@@ -343,7 +351,10 @@ def _maps(stress: Stress) -> Section:
 
 
 def _incidents(stress: Stress) -> Iterator[Part]:
-    """Yield for each verdict a table of its cells, folded; last a sentence on those that do not occur."""
+    """Yield a folded table of cells for each verdict of ``OPEN`` and for "caught", then a sentence on those with none.
+
+    A table of a verdict of ``OPEN`` is unfolded if it has twelve rows at most.
+    """
     cells = {stress_verdict: stress.of(stress_verdict) for stress_verdict in (*OPEN, StressVerdict.CAUGHT)}
     for verdict, results in cells.items():
         if results:

@@ -35,8 +35,9 @@ from reports.mechanism.page import page
 def watch(mechanism: str, motion: Motion, *, opens: bool) -> None:
     """Serve the page of a linkage file until Ctrl-C, and open it in a browser if ``opens``.
 
-    Prints its address on stderr. Raises LinkproofError for an installed linkage or a file that cannot be read, and
-    where there is no browser to open.
+    ``mechanism`` is the file's path. Prints the page's address on stderr; a fault in the file and an impossible motion
+    are shown on the page. Raises LinkproofError for an installed linkage or a file that cannot be read, and where there
+    is no browser to open.
     """
     file = _WatchedFile(mechanism, motion)
     try:
@@ -55,7 +56,10 @@ class _WatchedFile:
     """A linkage file; the state of a page is a digest of the file that it shows."""
 
     def __init__(self, mechanism: str, motion: Motion) -> None:
-        """Watch a user's own linkage file; raises LinkproofError for an installed one or a file that cannot be read."""
+        """Watch a user's own linkage file, ``mechanism``, its path; ``motion`` is that of the page.
+
+        Raises LinkproofError for an installed linkage or a file that cannot be read.
+        """
         if loading.read(mechanism).is_known:
             raise LinkproofError(
                 f"expected a file of your own, got '{mechanism}', which is installed; copy it and name the copy"
@@ -103,7 +107,7 @@ class _WatchedFile:
     def _build_files(self, state: str) -> dict[str, bytes]:
         """The page's files by name, with this ``state``; a fault in the linkage file is shown above the last good page.
 
-        Notes fault and page.
+        "state" is one of them. Keeps the fault, "" without one, and the page if it has none.
         """
         name = self.path.name
         self._fault = ""
@@ -181,11 +185,16 @@ class PageServer(ThreadingHTTPServer):
 
 
 class _Request(BaseHTTPRequestHandler):
+    """A request to a ``PageServer``: GET for a file of the page, POST to save a text; ``timeout`` is in s."""
+
     server: PageServer
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """Send a file of the page, 404 if there is no such file; a request that is not from this page gets 403."""
+        """Send a file of the page, index.html for its folder, 404 if there is no such file.
+
+        A request that is not from this page gets 403.
+        """
         name = self._requested_file()
         if name is not None:
             content = self.server.page().get(name or "index.html")
@@ -193,9 +202,10 @@ class _Request(BaseHTTPRequestHandler):
             self._send_response(status, content or b"", guess_type(name or "index.html")[0] or "text/plain")
 
     def do_POST(self) -> None:
-        """Save the text that a page sends and answer 200, or 409 with the reason if that fails.
+        """Save the text that a page sends to "save" and answer 200, or 409 with the reason if that fails.
 
-        Refuses a request that is not from this page with 403, another or longer one than ``MOST`` bytes with 400.
+        The state of the page is in the header If-Match. Refuses a request that is not from this page with 403; one to
+        another name, without an Origin or a length, or longer than ``MOST`` bytes with 400.
         """
         name, length = self._requested_file(), self.headers.get("Content-Length", "")
         if name is None:

@@ -419,8 +419,9 @@ def measured_quantities(cases: Iterable[Case], named: Iterable[str]) -> tuple[st
 def stability_maps(function: Callable[..., Any], given: Mapping[str, Any]) -> StabilityMaps:
     """Make the maps, or the single cells, that the call of a ``function`` asks for, and return the study.
 
-    ``given`` are its arguments by name, those of ``stress``. A folder keeps the runs of maps; cells, which name their
-    engine and setting, take none. Raises LinkproofError for bad input before any run.
+    ``given`` are its arguments by name, those of ``stress``. A folder keeps the runs of maps. Raises LinkproofError for
+    bad input before any run: for axes and cells together, too, and for cells with an engine, a setting, ``quick`` or a
+    folder.
     """
     if given["jobs"] is not None and given["jobs"] < 1:
         raise LinkproofError(

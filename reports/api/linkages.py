@@ -64,7 +64,8 @@ def word_of(given: LinkageLike) -> str:
 def resolve(given: LinkageLike, motion: Moved) -> tuple[Linkage, str, Moved]:
     """The linkage in the motion's variant and gravity, the word that names it, and the motion with that variant.
 
-    The variant is None for the first of the file. Raises as ``load_linkage``.
+    Of a linkage given by name or path the motion is unchanged; else the variant is None for the first of the file.
+    Raises as ``load_linkage``.
     """
     chosen = load_linkage(given, motion.variant, gravity=motion.gravity)
     if isinstance(given, str | Path):

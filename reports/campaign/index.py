@@ -290,7 +290,7 @@ FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke
 
 
 def card(sheet: Sheet) -> Card:
-    """The card of a sheet's mechanism with a link to its page: scheme, if it has positions, and key figures.
+    """The card of a sheet's mechanism with a link to its page: scheme, if it has positions, and its ``FIGURES``.
 
     The scheme is drawn when the page is written.
     """
@@ -385,6 +385,7 @@ def picture(trust: EngineRanking) -> Widget:
 def _traces(trust: EngineRanking, name: str) -> Iterator[dict[str, Any]]:
     """Yield a trace of Plotly for every engine in the family ``name``, a dot for each setting, JSON-ready.
 
+    A setting has one if it has an error and a run that made steps; "x" is the time, s, "y" the error over the peak.
     Its "customdata" are the addresses of the worst curves.
     """
     for engine, look in looks(trust.engines, trust.controls).items():

@@ -16,10 +16,10 @@ CHANGES: Final = "changes"  # the suite of what is not as it was recorded
 
 
 def junit(runs: Iterable[RunRecord], changes: Sequence[Change] = ()) -> str:
-    """JUnit's XML of a campaign as text: a suite per mechanism, variant and regime; the classes are engine and setting.
+    """JUnit's XML of a campaign as text: a suite per mechanism, variant and regime; the class of a case is its run.
 
-    Skipped are records that are not judged, naive records beside other settings, and what was not recorded before.
-    Changes are a suite of their own.
+    Skipped are records that are not judged, naive ones that fail beside other settings, and what was not recorded
+    before. Changes are a suite of their own.
     """
     by_motion = grouped((run.run[:3], run) for run in runs)
     records = [record for part in by_motion.values() for run in part for record in run.every]

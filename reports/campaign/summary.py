@@ -17,7 +17,7 @@ from reports.records import changes_table, limit_table, views
 
 
 def markdown(results: CampaignResults) -> str:
-    """The summary of a campaign as Markdown text; raises LookupError for a quantity without a limit."""
+    """The summary of a campaign as Markdown text; raises LookupError for a quantity without a limit or no runs."""
     trust = EngineRanking(results)
     words = (
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}. Written by ",

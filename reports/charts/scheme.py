@@ -88,7 +88,7 @@ class KinematicScheme:
 
     @cached_property
     def clearest(self) -> int:
-        """Index, among the shown positions, of the one whose moving points lie farthest apart."""
+        """Index, among the shown positions, of the one whose two nearest moving points lie farthest apart."""
         places = np.array(
             [path[:, self.shown_indices] for point, path in self.paths.items() if self.carriers[point] != GROUND]
         )
@@ -186,7 +186,7 @@ def card_figure(linkage: Linkage, positions: Positions) -> Figure:
 def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
     """A figure of the plane between two corners, in the file's unit; ``draw`` gets axes, scheme and a pin's radius.
 
-    It is ``wide``, in, and half as high again at most; with None as wide as it needs to be.
+    It is ``wide``, in, and half as high again at most; with None as wide as it needs to be, 5.4 in at most each way.
     """
     largest = LARGEST if wide is None else np.array([wide, 1.5 * wide])
     narrowest = NARROWEST if wide is None else wide - WORDS[0]
@@ -247,9 +247,9 @@ def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
 
 
 def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
-    """Draw the curve of every moving point, thin and dashed.
+    """Draw the curve of every point: the output's broad, those of points in no joint in colour, others dashed.
 
-    The output's is broad, those of points that are in no joint are in colour.
+    Points on the ground, and others that stay in place, have none.
     """
     linkage = scheme.linkage
     output = linkage.output.point if linkage.output else None
@@ -358,7 +358,7 @@ def thread_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -
 
 
 def _draw_thread(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
-    """Draw links, eyes' paths and the thread's contour; sets no limits of the axes.
+    """Draw the linkage, eyes' paths, the thread's contour and its fixed guides, with names; sets no limits of the axes.
 
     ``size`` is a pin's radius.
     """

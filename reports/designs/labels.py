@@ -125,7 +125,8 @@ def _requested_variables(
 ) -> list[str]:
     """The requested variables, each once; for None all that need no motion, or all if the crank ``moves``.
 
-    ``known`` has their signals. Raises UnknownNameError for an unknown one, LinkproofError for one that needs a motion.
+    A link's share of Jeq has to be named. ``known`` has their signals. Raises UnknownNameError for an unknown one,
+    LinkproofError for one that needs a motion.
     """
     table = signals.table(mechanism)
     if names is None:

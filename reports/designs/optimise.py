@@ -175,7 +175,10 @@ class Optimisation(Study):
         return _before_after_figure(self.best, self.conditions)
 
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
-        """The content of a file with this suffix: for .toml the text of the new linkage file, else picture or JSON."""
+        """The content of a file with this suffix: for .toml the text of the new linkage file, else picture or JSON.
+
+        Raises AssemblyError as ``toml`` does.
+        """
         return self.toml if suffix == ".toml" else super().content(suffix, **form)
 
     def hint(self, saved: Sequence[Path]) -> str:

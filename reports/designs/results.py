@@ -45,7 +45,8 @@ class Results(Study):
     """Every signal of a linkage over a motion of its crank; ``chosen`` are the instants (n,), s, of the tables.
 
     With None these have key figures. ``dataset`` is in SI, what is printed in the units of the file. ``save`` takes the
-    ``decimal`` mark of a .csv, and the one ``figure`` of a picture.
+    ``decimal`` mark of a .csv, and the one ``figure`` of a picture. Whatever needs the motion raises LinkproofError
+    where the linkage cannot make it.
     """
 
     suffixes: ClassVar = (".csv", ".json", ".xlsx", *PICTURES, ".dxf")
@@ -122,7 +123,8 @@ class Results(Study):
     def content(self, suffix: str, *, decimal: str = ".", figure: str | None = None) -> Content:
         """The content of a file with this suffix: text of .csv, .dxf and .json, bytes of .xlsx, a picture.
 
-        A .csv has the ``decimal`` mark, "." or ",", a picture the one ``figure``, by name, or all.
+        A .csv has the ``decimal`` mark, "." or ",", a picture the one ``figure``, by name, or all; a .dxf is at the
+        first of the chosen instants, or as sketched. Raises as ``plot`` does.
         """
         if suffix == ".csv":
             return csv_table(self.sheet, decimal)
@@ -141,7 +143,8 @@ class Results(Study):
     def write(self, folder: str | Path) -> Path:
         """Save the case among those of a report's folder and write all its pages; returns the linkage's page's path.
 
-        Raises LinkproofError where another command writes there or a file cannot be written.
+        That is index.html where it is the only page. Raises LinkproofError where another command writes there or a file
+        cannot be written.
         """
         from comparisons.trials.campaign.results import save_case  # noqa: PLC0415 - figures cost a second
         from comparisons.trials.runs.files import claim  # noqa: PLC0415
@@ -166,9 +169,10 @@ def printed(sheet: Sheet) -> list[Printed]:
 
 
 def _key_figures(sheet: Sheet) -> Iterator[Table]:
-    """Yield the tables of key figures: drive, forces, transmission angles, thread and output, with their places.
+    """Yield the tables of key figures with their places: those of ``HEADS`` in order, the output, the required feed.
 
-    Those that the linkage lacks are left out.
+    Those of ``HEADS`` are drive, flywheel, forces, shaking moment, transmission angles and thread. Those that the
+    linkage lacks are left out.
     """
     yield from (figures_table(sheet, name) for name in HEADS if sheet.figures[name])
     if sheet.linkage.output is not None:
@@ -245,7 +249,7 @@ def _column(sheet: Sheet, name: str) -> list[str]:
 
 
 def csv_table(sheet: Sheet, decimal: str = ".") -> str:
-    """The sheet as CSV text, a column for each signal; ``decimal`` is the mark in numbers.
+    """The sheet as CSV text, a column for each signal in the file's unit; ``decimal`` is the mark in numbers.
 
     With a decimal comma, semicolons separate the cells, and a byte-order mark makes a spreadsheet read UTF-8, so that
     it shows ° and φ as they are.

@@ -74,7 +74,10 @@ class _PageFiles:
         return "../" * self.page.file.count("/")
 
     def inline(self, words: Words) -> Markup:
-        """Words as HTML markup, everything in them escaped; a value and its unit stay on one line."""
+        """Words as HTML markup, everything in them escaped; a value and its unit stay on one line.
+
+        A link to another file of the report is made relative to this page.
+        """
         match words:
             case tuple():
                 return Markup("").join(map(self.inline, words))

@@ -210,7 +210,10 @@ class Page:
 
 
 class VerdictSign(NamedTuple):
-    """``style`` is a class of the page's style sheet, ``colour`` a colour of the terminal."""
+    """The sign of a verdict: ``symbol`` and ``word``; ``style`` is a class of the page's style sheet.
+
+    ``colour`` is a colour of the terminal.
+    """
 
     symbol: str
     word: str

@@ -138,7 +138,7 @@ class Study:
         return f"<{type(self).__name__}: {rendered(self.sentence()).strip()}>"
 
     def __str__(self) -> str:
-        """The output of the command."""
+        """The output of the command as plain text, without details."""
         printed = self.printout()
         return rendered(*printed.tables, *printed.closing).strip("\n")
 

@@ -26,7 +26,7 @@ SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w
 def render(template: str, **values: object) -> Markup:
     """A page template of ``reports/templates``, by its file's name, filled in with values, as markup.
 
-    Raises Jinja's UndefinedError for a value that the template lacks.
+    Raises Jinja's UndefinedError for a value that the template lacks, its TemplateNotFound for an unknown name.
     """
     return Markup(_environment().get_template(template).render(**values))
 

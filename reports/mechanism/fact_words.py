@@ -64,8 +64,9 @@ def mechanism_words(facts: Facts) -> Pairs:
 
 
 def warning_words(facts: Facts, written: Callable[[float], str]) -> Iterator[str]:
-    """Yield the warnings of a review, a sentence each, on the sketch and transmission angles too.
+    """Yield the warnings of a review, a sentence each, then on sketched points far from their places.
 
+    Last come small transmission angles of a crank that turns fully, but for groups that slides turn.
     ``written`` writes a length, m, in the file's unit.
     """
     yield from facts["warnings"]

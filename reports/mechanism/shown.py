@@ -134,9 +134,10 @@ def required_table(sheet: Sheet) -> Table:
 
 
 def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
-    """Rows of name, value with unit, and place, as text: drive, mean Jeq, output, largest forces, least angle.
+    """Rows of name, value with unit, and place, as text: drive, mean Jeq, flywheel, output, forces, least angle.
 
-    The angle is the least transmission angle. Those that the linkage lacks are left out.
+    The drive has torque and power, the forces are largest joint force, shaking force and moment, the angle is the least
+    transmission angle. Those that the linkage lacks are left out.
     """
     drive = [
         row
@@ -149,7 +150,11 @@ def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
 
 
 def _further_figures(sheet: Sheet) -> Iterator[SignalFigure]:
-    """Yield the key figures besides those of the drive, named for a reader."""
+    """Yield the key figures besides those of the drive, named for a reader; those that the linkage lacks are left out.
+
+    They are of the flywheel, the output's stroke, speed and acceleration, the largest joint force, shaking force and
+    moment, and the least transmission angle.
+    """
     yield from (replace(row, what=f"flywheel {row.what}") for row in sheet.figures["flywheel"])
     yield from (row for row in sheet.figures["output"] if row.signal in "va" or row.what == "stroke")
     forces = [row for row in sheet.figures["forces"] if row.unit == "N"]

@@ -208,7 +208,10 @@ def machine_code_trial() -> SelfTest:
 
 
 def optional_packages() -> list[SelfTest]:
-    """Packages of the extras except engines, each as a SelfTest with its version, or the command that installs it."""
+    """Packages of the extras, each as a SelfTest with its version, or the command that installs it.
+
+    Extras of engines and those of development are left out.
+    """
     matches = [match for each in metadata.requires("linkproof") or () if (match := OPTIONAL.match(each))]
     named = {package: extra for package, extra in (match.groups() for match in matches) if extra not in NOT_FOR_USERS}
     return [_package_trial(package, extra) for package, extra in named.items() if extra not in engine_names()]

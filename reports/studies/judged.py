@@ -99,7 +99,8 @@ class Judgement(Study, ImportedJudgement):
     def write(self, folder: str | Path) -> Path:
         """Write the judgement into a folder like a campaign, replacing one there, with its pages.
 
-        Returns the path of the page to open. Raises LinkproofError where a file cannot be written.
+        A judgement and a designer's results there are replaced as well. Returns the path of the page to open. Raises
+        LinkproofError where a file cannot be written.
         """
         from reports.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 

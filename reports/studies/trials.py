@@ -100,7 +100,7 @@ class Comparison(Trials):
     results: CampaignResults
 
     def store(self, folder: Path) -> None:
-        """Write the comparison into a folder, replacing another one there.
+        """Write the comparison into a folder, replacing another one, a judgement and a designer's results there.
 
         Raises LinkproofError where it cannot be written.
         """
@@ -163,7 +163,7 @@ class Comparison(Trials):
     def content(self, suffix: str, **form: Any) -> Content:  # noqa: ANN401
         """A file's content: for .csv a function that writes every curve to a path, else the JSON of every record.
 
-        ``form`` is taken by no file of a comparison.
+        ``form`` is ignored.
         """
         return partial(write_curves, self.results.runs) if suffix == ".csv" else super().content(suffix, **form)
 
@@ -253,7 +253,10 @@ class Benchmark(Trials):
     results: Bench
 
     def printout(self) -> Printout:
-        """The printed benchmark: the fronts of each quantity, and the cheapest ways to an error."""
+        """The printed benchmark: per mechanism and regime methods, cheapest ways to an error, and settings.
+
+        They are in the quantities that the command named, else in the foremost.
+        """
         named = tuple(self.results.document["quantities"])
         return bench_words.printout(self.results, () if named == USUAL_QUANTITIES else named)
 
@@ -271,9 +274,10 @@ class Benchmark(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if an engine finished no point without an excuse, 3 for a fault of linkproof, else 0.
+        """The exit code: 3 for a fault of linkproof, 1 if an engine finished no point without an excuse, else 0.
 
-        Raises LinkproofError if nothing finished.
+        An excuse is that it is not installed, cannot do what is asked, or was left no time. Raises LinkproofError if
+        nothing finished, unless the code is 1 or 3.
         """
         excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
         points = list(self.results.table.itertuples())
@@ -316,9 +320,9 @@ class StabilityMaps(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if the checks missed a wrong motion, 3 for a fault of linkproof, else 0.
+        """The exit code: 3 for a fault of linkproof, 1 if the checks missed a wrong motion, else 0.
 
-        Raises LinkproofError if nothing was judged.
+        Raises LinkproofError if nothing was judged: every cell is unsupported or its engine not installed.
         """
         reasons = {cell.verdict: cell.reason for cell in self.results.cells}
         is_judged = not reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}
