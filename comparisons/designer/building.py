@@ -92,9 +92,10 @@ MOST_NUMBERS: Final = 40_000  # of all its signals
 def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
     """The case of a linkage's page: a turn at the speed at which the first motion ends, else at 1000 rpm.
 
-    A motion that ends at rest gives its peak speed. A crank that makes no turn follows the first motion, or swings over
-    its range. Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``; for a
-    crank without a turn, the rest of them last. Raises AssemblyError where the linkage cannot be assembled.
+    A motion that ends at rest gives its peak speed; where motion or loads repeat only after several turns, these are
+    made. A crank that makes no turn follows the first motion, or swings over its range. Motions of the linkage's own
+    count by the names of their ``regimes``, after those ``prescribed``; for a crank without a turn, the rest of them
+    last. Raises AssemblyError where the linkage cannot be assembled.
     """
     reach = mechanism.crank_range()
     of_file = {
@@ -351,11 +352,11 @@ def _try_part(missing: dict[str, str], name: str, make: Callable[[], T], fallbac
 def describe_release(mechanism: Mechanism, regime: ReleasedRegime, motion: FreeMotion) -> Released:
     """The facts and curves of a ``motion`` with released crank, of a regime of the linkage's file.
 
-    The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
-    angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
-    ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
-    (``ending``) and of the rotation that would repeat itself (``settled``), None without a constant torque or such a
-    rotation; φ at the ``end``, rad, within a turn.
+    The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not ("");
+    ``rests``, the angles, rad, at which it can rest, each with whether it is stable there; the mean reduced
+    ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and ``balance`` of energy of the closed form; speeds, rad/s,
+    and coefficient of fluctuation of its last whole turn (``ending``) and of the rotation that would repeat itself
+    (``settled``), None without a constant torque or such a rotation; φ at the ``end``, rad, within a turn.
     """
     # There may be no whole turn, and no rotation that repeats itself.
     ending = _try_part({}, "", lambda: last_turns(motion), None) if regime.torque else None

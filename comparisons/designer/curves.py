@@ -323,7 +323,8 @@ class Curves:
     def signal_values(self, truth: Truth, name: str) -> Array:
         """A signal (n,), SI, of the closed form at n instants, cached on the grid.
 
-        A link's angle is on its branch of the motion. Raises UnknownNameError for a signal that the linkage lacks.
+        A link's angle is unwrapped along the motion. Raises UnknownNameError for a signal that the linkage lacks,
+        AssemblyError where it cannot make the motion.
         """
         if name == TIME:
             return truth.time
@@ -347,7 +348,7 @@ class Curves:
         return {name: self.signal_values(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
-        """The ``angle`` (n,), rad, of a link's signal ``name``, on the branch that it has along the motion."""
+        """The ``angle`` (n,), rad, of a link's signal ``name`` at the truth's instants, unwrapped along the motion."""
         near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 

@@ -221,7 +221,8 @@ def output_figures(curves: Curves, peaks: Peaks) -> Iterator[SignalFigure]:
 def thread_figures(curves: Curves) -> Iterator[SignalFigure]:
     """Yield the thread's feed and length where feed or eyes' heights are extreme, and the feed's range.
 
-    Where a feed is required, its largest and mean miss follow. None without a thread.
+    Where a feed is required, the actual one's largest miss, with its sign, and the RMS of all follow. None without a
+    thread that has a feed.
     """
     path = curves.linkage.thread
     if path is None or THREAD_FEED not in curves.names:

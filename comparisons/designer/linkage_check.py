@@ -223,7 +223,7 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
     """All facts on a linkage up to its first fault, and that fault as an error, None without one.
 
     Facts are by name, SI; "fault" is the error's message, None without one. Of a structure that cannot be divided its
-    part so far is a fact.
+    part so far is "structure".
     """
     facts = file_facts(linkage)
     try:
@@ -294,8 +294,8 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 def _turn_facts(mechanism: Mechanism) -> Facts:
     """The facts on a full turn: reduced inertias, kg m², the output's travel, m, and the angles of rest, rad.
 
-    Each link has its mean under "Jeq_mean". Those that the linkage lacks are left out. Raises LinkproofError where the
-    output stands still.
+    They are under "Jeq", "output" and "equilibria", and under "links" those of its file, each with its mean "Jeq_mean".
+    Those that the linkage lacks are left out. Raises LinkproofError where the output stands still.
     """
     linkage = mechanism.linkage
     links = file_facts(linkage)["links"]

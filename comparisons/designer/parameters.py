@@ -115,9 +115,9 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
 
 
 def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
-    """A clause, from its comma, on the masses of designs that vary these numbers: ", masses as in the file".
+    """A clause, from its comma, on the masses of designs that vary these numbers, by name.
 
-    "" where no length of a moving link varies.
+    It is ", masses scaled with lengths" or ", masses as in the file"; "" where no length of a moving link varies.
     """
     places = {name: number.path for name, number in named_numbers(linkage).items()}
     if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):

@@ -137,8 +137,8 @@ class Fitting:
     def _residual(self, number: int, curve: Array, moved: DriverMotion | None) -> Array:
         """The residual (n,) of column ``number`` from ``curve`` (n,), SI, over its tolerance; nan if not counted.
 
-        Of an angle whole turns are left out. Near jumps of a motion ``moved``, if there is one, it is nan, too, but for
-        a sample that is over even so.
+        Of an angle the whole turns nearest to its median difference are taken away. Near jumps of a motion ``moved``,
+        if there is one, it is nan, too, but for a sample that is over even so.
         """
         signal = self.evidence[number]
         apart = signal.values - curve
@@ -538,7 +538,8 @@ def corrections(fit: Fit, signals: Iterable[str], column: ImportedSignal | None)
     """The corrections that undo a cause, by the names of the signals whose columns are corrected.
 
     Those of the crank are of the ``column`` that gives its motion, or of the crank angle as the axis; a shift of all
-    clocks is one of every signal in ``signals``, or of "time" without a column. {} for a cause that lies in the model.
+    clocks is one of every signal in ``signals``, or of "time" without a column. {} for a cause that lies in the model
+    or in a stated motion, but for its start and clock, and for a factor that no unit explains.
     """
     knobs: dict[str, dict[str, Any]] = {}
     for target, value in fit.fault.targets(*fit.numbers).items():

@@ -67,7 +67,7 @@ class MapEntry:
 
 
 def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEntry]:
-    """The entries by the headers of their columns; an entry without "=" names a file with an entry per line.
+    """The entries by their columns' headers, as ``_comparable``; one without "=" names a file with an entry per line.
 
     An entry is an equation, ``COLUMN=SIGNAL [UNIT]``: the column is ``sign factor signal + offset`` at its time +
     shift. Raises LinkproofError for a text that is no equation, a header that no column has, two entries for one
