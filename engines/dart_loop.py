@@ -140,8 +140,8 @@ def build(model: Data) -> Data:
 def follow(given: Data, course: Data) -> Data:
     """Build a world, step through the one part of a course and return its samples: times, s, and values by channel.
 
-    ``given`` is the adapter's model. Accelerations and forces begin after the start. A step ends with the velocities of
-    its middle; its forces are those of the state before it.
+    ``given`` is the adapter's model. Forces by joint are under "joint_force". Accelerations and forces begin after the
+    start. A step ends with the velocities of its middle; its forces are those of the state before it.
     """
     (part,), ratio = course["parts"], course["ratio"]
     steps, ahead = ratio * part["samples"], int(given["centred"])

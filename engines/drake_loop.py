@@ -149,8 +149,9 @@ def build(model: Data) -> Data:
 def follow(given: Data, course: Data) -> Data:
     """Build a world, step through the one part of a course and return its samples: times, s, and values by channel.
 
-    ``given`` is the adapter's model. Accelerations and forces begin after the start. The joints, closed at first, open
-    within some ten steps as far as the steps allow. Raises ArithmeticError where Drake gives up.
+    ``given`` is the adapter's model. Forces by joint are under "joint_force". Accelerations and forces begin after the
+    start. The joints, closed at first, open within some ten steps as far as the steps allow. Raises ArithmeticError
+    where Drake gives up.
     """
     (part,), ratio = course["parts"], course["ratio"]
     step = part["end"] / (ratio * part["samples"])

@@ -253,5 +253,5 @@ class MujocoEngine(LoopEngine[MujocoRecipe]):
 
 
 def _plane_text(vector: complex) -> str:
-    """A plane vector, given as a complex number, as MuJoCo's XML writes it: three numbers, the last 0, and spaces."""
+    """A plane vector, given as a complex number, as MuJoCo's XML writes it: three numbers, the last 0."""
     return f"{vector.real:.17g} {vector.imag:.17g} 0"

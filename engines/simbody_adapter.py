@@ -177,7 +177,10 @@ class SimbodyModel:
         return {joint.name: forces[joint.name] for joint in self.scene.joints}
 
     def drive(self) -> tuple[int, float, Vector | None]:
-        """Number of the driven body, sign of its joint's force, and the drive's direction; None for a torque."""
+        """Number of the driven body, sign of its joint's force, and the drive's direction; None for a torque.
+
+        The direction is in the frame of the driven slider's host.
+        """
         number = self.numbers[self.linked.crank]
         branch = self.tree.branches[number]
         return number, _sign_of_branch(branch), branch.joint.along if isinstance(branch.joint, SliderJoint) else None

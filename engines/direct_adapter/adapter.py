@@ -243,7 +243,7 @@ def _prescribed_motion(equations: Equations, drive: Prescribed, spacing: float |
 def _check_reach(path: Path, time: Array, angle: Array) -> None:
     """Raise UnsolvableError, with the instant and the end, if the path does not hold every φ (n,), rad or units.
 
-    ``time`` (n,), s, are their instants.
+    ``time`` (n,), s, are their instants. A path that repeats holds all.
     """
     outside = (angle < path.low) | (angle > path.high)
     if path.turns is None and np.any(outside):
@@ -262,7 +262,8 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
 def _solved_samples(path: Path, time: Array, crank: Crank) -> History:
     """The history, SI, at instants (n,), s, each solved by itself, in blocks that bound the memory.
 
-    ``crank`` is the driver's motion there. Raises UnsolvableError.
+    ``crank`` is the driver's motion there. Raises UnsolvableError where the joints cannot be closed or the friction
+    grows without end.
     """
     equations, channels = path.equations, path.equations.scene.channels
     blocks = []

@@ -61,7 +61,10 @@ class LinearDriver:
         self.ends, self.along, self.travel = given["ends"], given["along"], travel
 
     def span(self, coordinates: Sequence[float]) -> tuple[float, list[float]]:
-        """φ, m, and its gradient over the coordinates of the first body's node and then of the second's."""
+        """φ, m, and its gradient over the coordinates of the first body's node and then of the second's.
+
+        They are x, y and angle each; the ground has none.
+        """
         between, arms, rest = 0j, list[complex](), list(coordinates)
         for (node, anchor), sign in zip(self.ends, (1.0, -1.0), strict=True):
             x, y, angle = (0.0, 0.0, 0.0) if node is None else rest[:3]
@@ -209,9 +212,10 @@ class ExudynWorld:
 
 
 def build(given: Data) -> ExudynWorld:
-    """The assembled system of a model; raises ArithmeticError for a model that exudyn refuses or finds redundant.
+    """The assembled system of a model; raises ArithmeticError for a model that exudyn refuses.
 
-    These would make it singular, which exudyn reports only in the middle of a solve.
+    Raises it, too, where the joints repeat a condition, or leave another freedom than the drive's: they would make it
+    singular, which exudyn reports only in the middle of a solve.
     """
     world = ExudynWorld(given)
     try:

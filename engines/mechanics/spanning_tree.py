@@ -133,7 +133,7 @@ def slots_as_blocks(scene: Scene, mass: float) -> Scene:
     """A copy of the scene with a block in every slot, for engines without a constraint of point and line.
 
     A block of ``mass``, kg, slides in the slot's host and is pinned to its body; the pin has the slot's name, block and
-    slider are the "block of" it. Its acceleration at the start, which no engine asks for, is not set.
+    slider have it behind "block of". The block's acceleration at the start, which no engine asks for, is not set.
     """
     bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
     pins, sliders = [*scene.pins], [*scene.sliders]

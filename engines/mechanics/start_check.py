@@ -132,7 +132,11 @@ def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
 
 
 def _data_faults(scene: Scene, least: float) -> Iterator[str]:
-    """Yield sentences on faults of a scene's data; masses, kg, and inertias, kg m², must be at least ``least``."""
+    """Yield sentences on faults of a scene's data; masses, kg, and inertias, kg m², must be at least ``least``.
+
+    They are on names, weights, the numbers of parts, the ends and lines of joints, sliders that need an inertia, a
+    crank that cannot turn or is not on the ground, gravity, springs, dampers and the duration.
+    """
     names = [body.name for body in scene.bodies]
     known = {GROUND, *names}
     if len(known) != len(names) + 1:

@@ -109,8 +109,9 @@ def _drive(scene: Scene, numbers: dict[str, int], size: float) -> dict[str, Any]
 def torque_bound(scene: Scene, size: float) -> float:
     """A torque, N m, well above any that a prescribed drive can need; 0 for a free one.
 
-    It is that of all mass at the scene's ``size``, m, at its peak. A motor works against it, which keeps the sign of
-    what it exerts. Of a linear drive it is a force, N, at a lever of a hundredth of that size.
+    It is that of all mass, at the largest speed and acceleration, and of all loads at an arm of ``size``, m. A motor
+    works against it, which keeps the sign of what it exerts. Of a linear drive it is a force, N, at a lever of a
+    hundredth of that size.
     """
     if not isinstance(scene.drive, Prescribed):
         return 0.0
@@ -167,7 +168,7 @@ def iterations_for(layout: PartLayout, remaining: float) -> list[int]:
 
 
 def driver_travel(scene: Scene) -> float:
-    """Signed distance from the driver's start to its farther side, rad or m; of a crank a full turn at most.
+    """Signed distance from the driver's start to the farther end of its motion, rad or m; of a crank a turn at most.
 
     A free driver, linear or not, has 2π.
     """

@@ -361,7 +361,8 @@ def _read_signal(pair: tuple[Any, Any]) -> Signal:
 def plain_course(course: Course[Any]) -> dict[str, Any]:
     """A course as the dictionary that loops take: ``ratio``, ``channels``, ``parts``, and ``details`` to fill in.
 
-    A part's ``segment`` is its start, s, and coefficients, lowest power first; None for a free driver.
+    A part has ``start`` and ``end``, s, ``samples``, ``after_jump`` and ``segment``: that one's start, s, and
+    coefficients of φ, lowest power first; None for a free driver.
     """
     parts = [
         {
@@ -379,7 +380,10 @@ def plain_course(course: Course[Any]) -> dict[str, Any]:
 
 
 def plain_law(law: Law) -> PlainLaw:
-    """A law as plain data for loops: a list of its components, or knots, cubics and period, 0 if it does not repeat."""
+    """A law as plain data for loops: a list of its components, N or N m, or a tuple of knots, cubics and period.
+
+    It is as ``law_values`` of ``engines.shared_loop`` takes it; the period is 0 if it does not repeat.
+    """
     return law.values.tolist() if law.angles is None else (*law.pieces(), law.period or 0.0)
 
 
