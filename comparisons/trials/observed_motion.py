@@ -46,7 +46,7 @@ class ObservedMotion:
 
     @cached_property
     def numbers(self) -> dict[str, int]:
-        """The index of every body in the arrays, by its name, the ground's too."""
+        """The index of every body in the arrays, by its name, the ground's too, which is last."""
         return body_numbers(self.scene)
 
     @cached_property
@@ -235,7 +235,10 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], poi
 
 
 def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
-    """The largest value of a signal (n,), in its unit, between its samples too, smooth except at its ``breaks``, s."""
+    """The largest value of a signal (n,), in its unit, between its samples too, smooth except at its ``breaks``, s.
+
+    It has three samples or more.
+    """
     points = min(SHARP_POINTS, len(signal.time))
 
     def between(time: Array) -> Array:

@@ -246,7 +246,8 @@ def document(
 ) -> dict[str, Any]:
     """A campaign as JSON-ready data without its runs; ``readouts`` are from ``Abilities.as_dict``, by engine.
 
-    ``command`` is the command line that made it. The environment is that of now.
+    It has the required fields of ``SavedCampaign``. ``command`` is the command line that made it. The environment is
+    that of now.
     """
     return {
         "command": command,
@@ -261,7 +262,7 @@ def document(
 def judgement(limits: LimitTable, figures: Iterable[Error], changes: Iterable[Change]) -> dict[str, Any]:
     """Limits, key figures and changes of a campaign, JSON-ready: the part that judging anew replaces.
 
-    ``figures`` are Error records whose ``error_max`` is the value.
+    Keys are "limits", "figures" and "changes". ``figures`` are Error records whose ``error_max`` is the value.
     """
     rows = ((*figure[:4], figure.quantity, figure.error_max, figure.unit) for figure in figures)
     return {

@@ -416,10 +416,10 @@ def check_engine(engine: Engine, processes: int | None = None) -> list[CheckResu
     """The results of all checks, each made in a worker process; nothing an engine does brings this one down.
 
     All others wait for what they rest on, ``FIRST``, and mutants for all others: each is tried once those before it
-    pass, or fail as expected, so that one cause is named once. Of an engine that cannot be used, or whose adapter
-    cannot be loaded, that is the only result. A name among the engine's ``expected_failures`` that no check has is a
-    failure, too. ``processes`` is the number of workers, as many as cores by default. Raises LinkproofError where none
-    can start.
+    pass, or fail as expected, so that one cause is named once. Of an adapter that cannot be loaded the result of
+    ``INSTALLED`` is the only one; of an engine that is not installed none is tested. A name among the engine's
+    ``expected_failures`` that no check has is a failure, too. ``processes`` is the number of workers, as many as cores
+    by default. Raises LinkproofError where none can start.
     """
     if isinstance(engine, Unusable):
         return [CHECKS[INSTALLED].result(EngineTrial(engine))]

@@ -132,13 +132,13 @@ class Change:
 
     @property
     def run(self) -> str:
-        """The run's names as one text, without the conditions."""
+        """The run's names as one text, without the conditions: "MECHANISM (VARIANT), REGIME, ENGINE SETTING"."""
         mechanism, variant, regime, _, engine, setting, _ = self.place
         return f"{mechanism} ({variant}), {regime}, {engine} {setting}".rstrip()
 
     @property
     def share(self) -> float | None:
-        """The relative change, of 1; None without both values, or from zero."""
+        """The relative change, after over before less 1; None without both values, or from zero."""
         return self.after / self.before - 1.0 if self.before and self.after is not None else None
 
     @property

@@ -169,8 +169,8 @@ def check_named(
 ) -> None:
     """Raise UnknownNameError for a user's row with an unknown mechanism or regime, which would never apply.
 
-    ``mechanisms()`` and ``regimes()`` give the names that the linkages at hand have; they are called only for a row
-    with others than the suite's.
+    ``table`` is from ``with_rows``. ``mechanisms()`` and ``regimes()`` give the names that the linkages at hand have;
+    they are called only for a row with others than the suite's.
     """
     for number, row in enumerate(table.rows[: -len(shipped_limits().rows)], start=1):
         for kind, used, ours, known in (

@@ -305,7 +305,7 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
 
 
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
-    """Raise LinkproofError for the first quantity of which the closed form has no value in this case."""
+    """Raise LinkproofError for the first quantity of which the closed form has no value at the start of this case."""
     for quantity in quantities:
         reason = quantity.undefined(case).partition(";")[0]
         if reason:

@@ -37,7 +37,10 @@ class Verdict(StrEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether it counts against the engine or its adapter."""
+        """Whether it counts against the engine or its adapter.
+
+        Those are over the limit, diverged, timed out, crashed and an adapter's error.
+        """
         return self in FAILED
 
     @property
@@ -56,11 +59,11 @@ class Error(NamedTuple):
     """What was found of a run: the error of a quantity or of a check, beside its limit.
 
     The first six columns tell the run, and with ``quantity`` the row, from all others. Errors are relative to ``peak``,
-    the reference's largest magnitude in ``unit``. ``left_out`` counts the samples not compared (acceleration jumps,
-    standstill); ``error_at_jumps`` is the error at acceleration jumps, beyond the jumps themselves. ``detail`` says
-    why, wherever it did not pass. ``origin`` says where the engine's figure comes from (``engines.contract.Origin``,
-    the weakest of all that it is made of, or ``CONTROL``), ``shared`` what of it the reference and the engine have in
-    common.
+    the reference's largest magnitude in ``unit``; ``worst_time``, s, is that of the largest. ``left_out`` counts the
+    samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at acceleration jumps, beyond
+    the jumps themselves. ``detail`` says why, wherever it did not pass. ``origin`` says where the engine's figure comes
+    from (``engines.contract.Origin``, the weakest of all that it is made of, or ``CONTROL``), ``shared`` what of it the
+    reference and the engine have in common.
     """
 
     mechanism: str
@@ -86,7 +89,7 @@ class Error(NamedTuple):
 
     @property
     def run(self) -> RunName:
-        """The name of the run that it belongs to: all names but the conditions."""
+        """The name of the run that it belongs to: mechanism, variant, regime, engine and setting, a tuple."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
 
@@ -123,12 +126,12 @@ class RunRecord:
 
     @property
     def run(self) -> RunName:
-        """The name of the run within its study: all names but the conditions and the version."""
+        """The name of the run within its study: mechanism, variant, regime, engine and setting, a tuple."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
     @property
     def key(self) -> str:
-        """The name of the run as one text, its parts joined by "/"."""
+        """The name of the run as one text: MECHANISM/VARIANT/REGIME/ENGINE/SETTING."""
         return "/".join(self.run)
 
     @property
@@ -159,7 +162,10 @@ class RunRecord:
         return replace(self, errors=tuple(map(judge, self.errors)), invariants=tuple(map(judge, self.invariants)))
 
     def rows(self, errors: Iterable[Error]) -> list[dict[str, Any]]:
-        """These ``errors`` as rows, JSON-ready, with the run's own columns, ``FACTS``, in each."""
+        """These ``errors`` as rows, JSON-ready, with the run's own columns, ``FACTS``, in each.
+
+        They are all columns but errors, invariants, details and curves.
+        """
         own = {name: getattr(self, name) for name in FACTS}
         return [{**own, **error._asdict()} for error in errors]
 

@@ -199,7 +199,10 @@ def signal_errors(
 
 
 def _peak_group(reading: Reading) -> tuple[Channel, str, int]:
-    """The key of signals that share a peak: of a channel all bodies' places, all angles, or one joint's force."""
+    """The key of signals that share a peak: of a channel all bodies' places, all angles, or one joint's force.
+
+    It is the channel, the joint's name, else "", and the number of the signal's first column.
+    """
     is_force = reading.channel is Channel.JOINT_FORCE
     return (reading.channel, reading.name if is_force else "", reading.columns.start)
 

@@ -116,7 +116,8 @@ def _as_completed(client: Any) -> Any:  # noqa: ANN401
 def _isolated(function: Callable[..., R], job: tuple[Any, ...], bounds: RunBounds) -> R | Lost:
     """On a Dask worker: run a job in a process of this thread's own, started with its first job.
 
-    Its result, or a Lost one that says how it was lost.
+    Its result, or a Lost one that says how it was lost. The worker's own process is no daemon any more. Raises
+    LinkproofError where no process can start.
     """
     multiprocessing.current_process().daemon = False  # one that Dask has started may start none otherwise
     pool: LocalPool = _THREAD.__dict__.setdefault("pool", LocalPool(1, lasts=True))

@@ -110,7 +110,8 @@ class Runs:
         """Add a run in one transaction; it takes the place of another of the same key, at the end.
 
         A curve is (4, samples) with the rows ``CURVE``, kept in single precision. Raises ValueError for a number of the
-        row that is not finite, KeyError for an error that lacks a column.
+        row that is not finite, TypeError for a value that JSON lacks, KeyError for an error that lacks a column, and
+        SQLite's errors.
         """
         with _transaction(self.connection):
             self.put(key, row, curves or {})

@@ -54,7 +54,7 @@ def start_server(modules: Sequence[str]) -> None:
 
     Does nothing where workers are spawned. Returns at once: if it is called early, the server imports while the caller
     does. It imports from the same folders as this process, not from the working folder, and its workers print nothing
-    unless ``SHOW_OUTPUT`` is in the environment.
+    unless ``SHOW_OUTPUT`` is in the environment. Raises OSError where it cannot start.
     """
     if start_method() != "forkserver":
         return

@@ -189,7 +189,7 @@ Written = tuple[Mapping[str, Any], Mapping[str, Curve]]  # a result as a row of 
 class Task:
     """One piece of work: ``job`` are the arguments of the study's function, ``key`` tells it from all others.
 
-    ``weight`` is its approximate cost, in any unit.
+    ``label`` names it for a reader, ``weight`` is its approximate cost, in any unit.
     """
 
     key: str

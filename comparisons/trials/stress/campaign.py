@@ -134,7 +134,10 @@ class Stress:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document with counts by engine and verdict, borders, and all cells, JSON-ready, as a new dictionary."""
+        """The document with counts by engine and verdict, borders, and all cells, JSON-ready, as a new dictionary.
+
+        They are under "summary", "borders" and "cells".
+        """
         return {
             **self.document,
             "summary": {engine: dict(self.count(engine)) for engine in self.engines},

@@ -76,9 +76,10 @@ class StressVerdict(StrEnum):
 class Cell(RunRecord):
     """One run of a map, before it is made and after; its setting may be a method's name.
 
-    Its errors are the quantity nearest to its limit, its invariants those that failed, or else the nearest. ``wrong``
-    and ``reason`` are in the words of a reader; ``differing`` is what differs from a plain run-up of the linkage.
-    ``spent`` is everything: reference, set-up, stepping, judging, s.
+    ``row`` is a row's label, ``value`` that of the axis. Its errors are the quantity nearest to its limit, its
+    invariants those that failed, or else the nearest. ``wrong`` and ``reason`` are in the words of a reader;
+    ``differing`` is what differs from a plain run-up of the linkage. ``spent`` is everything: reference, set-up,
+    stepping, judging, s.
     """
 
     axis: str
@@ -297,6 +298,7 @@ def scene(conditions: Conditions, case: Case) -> Scene:
 class Axis:
     """One map: ``vary`` names the field of ``Conditions`` that takes the ``values``, ``label`` what they are.
 
+    ``quick`` are the values of a quick map, ``settings`` and ``methods`` the names of both in which engines are run.
     ``unit`` is that of a solver's effort, where this varies: methods whose effort has another one are left out.
     ``good`` is the value at which the problem is easy; ``seconds`` is what one cell may take. Borders are narrowed down
     where ``narrow`` says so: runs of ever more turns cost more than their exact number is worth.
@@ -427,9 +429,10 @@ def find_cell(key: str) -> Cell:
 
 
 def run_cell(cell: Cell) -> Cell:
-    """Make a cell's run in this process and judge it: a copy of the cell with its result; raises AdapterError.
+    """Make a cell's run in this process and judge it: a copy of the cell with its result.
 
-    One whose engine is absent, or whose case has no motion, is not run and says why.
+    One whose engine is absent, or whose case has no motion, is not run and says why. Raises AdapterError where the
+    adapter raises or violates the contract.
     """
     begun, adapter = time.perf_counter(), engine(cell.engine)
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)

@@ -130,7 +130,10 @@ class Bench:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """The document and all points with the orders of their sweeps by quantity, JSON-ready, as a new dictionary."""
+        """The document and all points with the orders of their sweeps by quantity, JSON-ready, as a new dictionary.
+
+        Points are under "records", each with its "orders".
+        """
         orders: dict[str, dict[str, float]] = {point.key: {} for point in self.points}
         for (key, quantity), order in sweep_orders(self.table).items():
             orders[key][quantity] = order
@@ -285,7 +288,10 @@ def least(points: DataFrame) -> Row:
 
 
 def has_floor(sweep: DataFrame) -> bool:
-    """Whether the finest steps fail to lower the least error, so that it is a floor; ``sweep`` is coarse to fine."""
+    """Whether the finest steps fail to lower the least error, so that it is a floor; ``sweep`` is coarse to fine.
+
+    It is False for a single point.
+    """
     return len(sweep) > 1 and not is_falling(list(sweep.error_max))
 
 
