@@ -233,8 +233,8 @@ def _peak_speed_text(reader: Reader, motion: CrankMotion) -> str:
 def _swing_motion(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> tuple[CrankMotion, str]:
     """The motion of a regime with ``from`` and ``to`` and its conditions in words; ``where`` is the regime's key.
 
-    Raises DescriptionError without both or for a list of times, LinkproofError or UnknownNameError for values that make
-    no motion.
+    Raises DescriptionError where one of these keys is missing or for a list of times, LinkproofError or
+    UnknownNameError for values that make no motion.
     """
     start = _required(reader, table.begin, f"{where}.from", "the angle at which the swing begins")
     end = _required(reader, table.to, f"{where}.to", "the angle at which the swing ends")

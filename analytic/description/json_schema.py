@@ -37,7 +37,10 @@ def json_schema() -> Schema:
 
 
 def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
-    """A copy of a part of pydantic's JSON schema, rewritten for Draft 4; null is dropped, since TOML has none."""
+    """A copy of a part of pydantic's JSON schema, rewritten for Draft 4, without titles.
+
+    Null is dropped as a type and as a default, since TOML has none.
+    """
     if isinstance(part, list):
         return [_draft_4(entry) for entry in part]
     if not isinstance(part, dict):
@@ -63,8 +66,8 @@ def _draft_4(part: Any) -> Any:  # noqa: ANN401 - any part of a schema
 def _describe(table: Schema, definitions: Schema, outermost: str) -> None:
     """Give every key of a table, and of the tables in it, the description that error messages use; in place.
 
-    ``definitions`` are the schema's tables by name, ``outermost`` is the key of the file in which the table stands; ""
-    for the file itself.
+    A key that has a description, or for which there is none, stays as it is. ``definitions`` are the schema's tables by
+    name, ``outermost`` is the key of the file in which the table stands; "" for the file itself.
     """
     for key, part in table.get("properties", {}).items():
         root = outermost or key

@@ -235,7 +235,8 @@ class _Chunk:
         """Signals of the designs ``here``, by name, at crank angles (designs, angles), rad; and coarse steps.
 
         Steps (designs, angles - 1) are True where a determinant changes too much, and beside these. Marks designs in
-        ``doubtful`` that may pass a dead position between; without ``refine`` sets where S counts from.
+        ``doubtful`` that may pass a dead position between; of the output's coordinate alone nothing is marked. Without
+        ``refine`` sets where S counts from.
         """
         names = list(names)
         if "S" in names and not self.request.refine:

@@ -264,7 +264,7 @@ def _slide_direction(balance: LinkBalance, slide: Joint) -> Pair:
 
 
 def _slide_wrench(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
-    """The wrench of a slide: a force ``size``, N, on the left of its line, and a moment, N m."""
+    """The wrench of a slide: a force ``size``, N, to the left of the unit vector ``direction``, and a moment, N m."""
     return (-size * direction[1], size * direction[0], moment)
 
 

@@ -390,9 +390,9 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     """Every value of φ at which the moment on the crank changes sign, in increasing order.
 
     ``torque`` is M1, N m, a number or a law of φ. Empty without an equilibrium: the torque outweighs the loads, or
-    there is no moment at any angle. A crank that cannot make a full turn is searched over its range, like a driver that
-    is pushed; two angles nearer to each other than half a degree may be missed. Raises LinkproofError for a torque that
-    is not finite.
+    there is no moment at any angle. Where the moment passes through infinity, in a dead position, is none. A crank that
+    cannot make a full turn is searched where it can be assembled, a driver that is pushed over its range; two angles
+    nearer to each other than half a degree may be missed. Raises LinkproofError for a torque that is not finite.
     """
     law = crank_torque(torque)
 

@@ -466,7 +466,7 @@ class RRP(_PinDyad):
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """Take the distance from A to the line as the arm's length, so that the arm just reaches it.
 
-        ``gap`` does not count.
+        That is the length less the ``margin``, m; ``gap`` does not count.
         """
         self.sides[0].length -= margin
 
@@ -613,7 +613,7 @@ class RPR(_SlideDyad):
     def snap_to_touch(self, margin: Scalar, gap: Scalar) -> None:
         """Set the line's offset to the distance of the pins, so that the line just touches A.
 
-        ``gap`` does not count.
+        Its size grows by the ``margin``, m; ``gap`` does not count. An offset of 0 stays.
         """
         self.offset += np.sign(self.offset) * margin
 

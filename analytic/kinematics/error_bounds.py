@@ -51,7 +51,7 @@ class ErrorBounds:
         """Pose, rate and acceleration of a body by name, each number with the bound of its error, in m and rad.
 
         Groups before it in the chain are worked out on the first request. Raises AssemblyError where one cannot be
-        assembled or moved.
+        assembled or moved, IndexError for an unknown body.
         """
         with np.errstate(invalid="ignore"):  # 0·∞ behind a dyad whose bound is infinite
             while body not in self.motions:

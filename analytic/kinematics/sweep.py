@@ -294,7 +294,8 @@ class Sweep:
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: a check of loop closure.
 
-        Of a slide it is the distance across its line. Raises AssemblyError where the linkage cannot be assembled.
+        Of a slide it is the distance across its line, of a cylinder its length less φ. Raises AssemblyError where the
+        linkage cannot be assembled.
         """
         worst = np.zeros(self.angle.shape)
         for joint in (joint for group in self.structure.groups for joint in group.joints):
