@@ -99,7 +99,7 @@ class View:
 
     @cached_property
     def invariants(self) -> frozenset[str]:
-        """Names of the checks without the closed form."""
+        """Names of the checks without the closed form, of all mechanisms of the campaign."""
         return frozenset(record.quantity for record in self.results.invariants)
 
     def title(self, quantity: str) -> str:

@@ -73,12 +73,12 @@ class Contents:
 
     @cached_property
     def bench(self) -> Bench:
-        """The benchmark in the folder; raises LinkproofError without one."""
+        """The benchmark in the folder; raises LinkproofError if it is missing, damaged or of an older version."""
         return work_precision.load(self.path)
 
     @cached_property
     def stress(self) -> Stress:
-        """The stability maps in the folder; raises LinkproofError without any."""
+        """The stability maps in the folder; raises LinkproofError if missing, damaged or of an older version."""
         return stress_test.load(self.path)
 
     @cached_property

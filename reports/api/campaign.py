@@ -160,7 +160,11 @@ def request(
 
 
 def run_bounds(bounds: Asked) -> RunBounds:
-    """The time and memory of each run; raises LinkproofError for bad input, of ``jobs`` and ``scheduler`` too."""
+    """The time, s, and memory, bytes, that each run may take; by default the suite's.
+
+    Raises LinkproofError for options that exclude each other, ``jobs`` and ``scheduler`` among them, and for a negative
+    number of ``jobs``.
+    """
     if bounds.jobs == 0 and (bounds.time_limit, bounds.memory_limit) != (None, None):
         raise LinkproofError(
             "--time-limit and --memory-limit apply to worker processes, but --jobs 0 starts none: leave one of the two "

@@ -74,7 +74,7 @@ def _stated_motion(options: Asked, linkage: Linkage, imported: ImportedResults) 
 
 
 def _check_end(motion: DriverMotion, imported: ImportedResults) -> None:
-    """Raise LinkproofError for times of a file that are more than a sample after the end of the stated motion."""
+    """Raise LinkproofError for a signal of which more than the last sample is after the end of the stated motion."""
     for signal in imported.signals:
         if signal.axis == "time" and len(signal.time) > 1 and float(signal.time[-2]) > motion.duration:
             raise LinkproofError(

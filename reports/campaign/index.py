@@ -83,7 +83,7 @@ class EngineRecords:
 
     @property
     def worst(self) -> Error | None:
-        """The judged record with the largest error over its limit; None if none has an error."""
+        """The judged record whose error is the largest multiple of its limit; None if none has an error."""
         return max((r for r in self.judged if r.error_max is not None), key=share, default=None)
 
     @property

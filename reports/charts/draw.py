@@ -74,7 +74,7 @@ def drawn(width: float, height: float, draw: Callable[[Figure], object], *, plac
 
 
 def inches(host: Host) -> Array:
-    """Width and height, in, of a figure or of a part of one."""
+    """Width and height, (2,), in, of a figure or of a part of one."""
     return np.array(host.bbox.size) / host.dpi
 
 

@@ -78,7 +78,7 @@ class Results(Study):
         return labelled(self.sheet.linkage, self.sheet.axis, self.sheet.table, about)
 
     def __getitem__(self, name: str) -> xarray.DataArray:
-        """A variable of the dataset by symbol or word (``torque`` for ``Mkr``); raises UnknownNameError."""
+        """A variable of the dataset by symbol or word (``torque`` for ``Mkr``); raises UnknownNameError for another."""
         known = self.dataset.variables
         if symbol(name) not in known:
             raise UnknownNameError("signal", name, map(str, known))

@@ -72,7 +72,7 @@ def _everything(sheet: Sheet) -> Figure:
 
 
 def _title(sheet: Sheet, name: str) -> str:
-    """The title of a curve: its name in a word, its peak with unit, and the peak's place."""
+    """The title of a curve of ``CURVES``, by its signal's name: a word, its peak with unit, and the peak's place."""
     peak = sheet.peaks[name]
     what = sheet.linkage.phi.effort if name == "Mkr" else CURVES[name]
     return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"

@@ -297,7 +297,8 @@ def _plot_dots(designs: DrawnDesigns, grid: Any) -> None:  # noqa: ANN401
 def _edges(places: Array) -> Array:
     """The borders of cells around places (n,), ascending, half-way between neighbours: (n + 1,).
 
-    Those at the ends are as far out as the next ones are in.
+    Those at the ends are as far out as the next ones are in; those of a single place are half its size away, or
+    0.5 from 0.
     """
     if len(places) == 1:
         return places + 0.5 * (abs(places[0]) or 1.0) * np.array([-1.0, 1.0])

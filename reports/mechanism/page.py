@@ -67,7 +67,7 @@ def _plot_feed(sheet: Sheet, figure: Figure) -> None:
 
 
 def released_section(sheet: Sheet) -> Section:
-    """The section on released regimes, a part each: where the crank rests, how it settles, and its speed."""
+    """The section on released regimes, a part each: where the crank can rest, how it settles, figures of its speed."""
     parts: list[Part] = []
     for regime, motion in sheet.released.items():
         figures = tuple(_released_figures(sheet, regime, motion))

@@ -82,7 +82,10 @@ def _printed(row: Row) -> str:
 
 
 def _as_printed(row: Row) -> str:
-    """The printed value as text, with the zeros at its end, which tell its accuracy; without its unit."""
+    """The printed value as text, with the zeros at its end, which tell its accuracy; without its unit.
+
+    A zero, a value of unknown accuracy and one with more digits than that have no zeros at the end.
+    """
     value, digit = row["published"], 2.0 * row["half_digit"]
     if value and digit:
         digits = math.floor(math.log10(abs(value))) - round(math.log10(digit)) + 1
@@ -104,7 +107,10 @@ def _variant_cell(row: Row) -> TableCell:
 
 
 def _digits(row: Row, value: float, most: int = 17) -> str:
-    """A value as text with as many digits as the source printed, but at least four and at most ``most``."""
+    """A value as text with as many digits as the source printed, but at least four and at most ``most``.
+
+    Zeros at its end are left out.
+    """
     shown = 0.0
     if row["published"] and row["half_digit"]:
         shown = math.log10(abs(row["published"])) - math.log10(row["half_digit"])

@@ -33,7 +33,10 @@ AT_OPEN_END: Final = "*"  # behind an extreme at an end of the motion beside a d
 
 
 def _angle(value: float, unit: FileUnit) -> str:
-    """A value, given in a unit, as text without it: degrees with two decimals, anything else with five digits."""
+    """A value, given in a unit, as text without it: degrees with two decimals, anything else with five digits.
+
+    A dash for one that is not finite.
+    """
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
@@ -60,7 +63,7 @@ def words(sheet: Sheet, signal_figure: SignalFigure) -> str:
 
 
 def _with_minus_sign(text: str) -> str:
-    """A number's text with a true minus sign in place of a hyphen."""
+    """A number's text with a true minus sign in place of a hyphen at its beginning; one in its exponent stays."""
     return f"−{text[1:]}" if text.startswith("-") else text
 
 

@@ -121,7 +121,7 @@ class EngineFindings(Study):
         return [asdict(each) for each in self.checks]
 
     def failures(self) -> Sequence[str]:
-        """A line for every check that failed."""
+        """A line for every check that failed: its name and why."""
         return [f"{each.check}: {each.detail}" for each in self.checks if each.finding is Finding.FAILED]
 
 
@@ -180,7 +180,7 @@ def engine_trials() -> list[SelfTest]:
 
 
 def _trial_of_run(run: RunRecord) -> SelfTest:
-    """An engine's short run as a SelfTest: it works if the torque, the run's only quantity, has an error."""
+    """An engine's short run as a SelfTest: it works if its torque, the run's only quantity, could be compared."""
     (torque,) = run.errors
     if torque.error_max is None:
         return SelfTest(run.engine, run.engine_version, False, f"{torque.outcome}: {torque.detail}")
