@@ -405,7 +405,7 @@ class Curves:
         jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
 
         def integrands(_: object, time: Array) -> Array:
-            """The measures at instants, s, of any shape, stacked before it, in the form that ``averages`` calls."""
+            """The measures at instants, s, of any shape, in the form that ``averages`` calls: (measures, *shape)."""
             truth = self.truth_at(time.ravel())
             return np.stack([measure(truth).reshape(time.shape) for measure in measures])
 

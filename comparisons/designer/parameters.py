@@ -131,8 +131,8 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
 def design_file(mechanism: Mechanism, numbers: Mapping[str, float]) -> str:
     """The text of the linkage file with these numbers, SI, by name; its sketch moves if needed to keep the modes.
 
-    A speed among them is left out, for files have none. Nothing is written. Raises UnknownNameError for a name,
-    LinkproofError for numbers that describe no linkage, AssemblyError where the design has no such sketch.
+    A speed among them is left out, for files have none. Nothing is written. Raises UnknownNameError for an unknown
+    name, LinkproofError for numbers that describe no linkage, AssemblyError where the design has no such sketch.
     """
     original, structure = mechanism.linkage, mechanism.structure
     numbers = {name: value for name, value in numbers.items() if name != SPEED}

@@ -405,7 +405,7 @@ def unwrap_angles(angle: Array) -> Array:
 
 
 def even_instants(at: Array, resolution: Array) -> tuple[Array, Array]:
-    """Equal steps in place of instants or angles (n,) that are equal but for rounding, and their doubt, (n,).
+    """Instants or angles (n,) that are evenly spaced but for rounding, now evenly spaced, and their doubt, (n,).
 
     The ``resolution`` (n,) is the rounding of each, in the same unit. The doubt is then that of a mean of n roundings;
     a step that is printed in full leaves none. Others are returned as they are, with their own ``resolution``.

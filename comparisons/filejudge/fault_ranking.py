@@ -223,7 +223,7 @@ class Fitting:
             return None if parts is None else np.concatenate([parts[n] / np.sqrt(len(parts[n])) for n in changing])
 
         def known(step: Array) -> Array:
-            """The residuals at a ``step`` (k,) for the solver: 0 where open, IMPOSSIBLE where the fault cannot be.
+            """The residuals (n,) at a ``step`` (k,) for the solver: 0 where open, IMPOSSIBLE if the fault cannot be.
 
             A step is the way from the guess, in the fault's sizes.
             """

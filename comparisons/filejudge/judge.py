@@ -43,7 +43,7 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
     """The uncertainty, SI, of each signal (n,) due to the file's rounding of values, instants and crank angles.
 
     ``truth`` is the closed form of each. Of a long signal what instants and angles leave open is worked out at a part
-    of its instants.
+    of its instants. Near a jump of the acceleration angles leave nothing open.
     """
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
@@ -67,7 +67,8 @@ def rounding_floors(model: Simulation, signals: Sequence[ImportedSignal], truth:
 def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array:
     """The largest of several trials' ``differences``, (n,) each, near each sample, (n,).
 
-    For a motion that is no known one it is the largest over all samples.
+    Near are a share 1 / NEIGHBOURS of all samples, half of them to either side. For a motion that is no known one it is
+    the largest over all samples.
     """
     largest = np.max(differences, axis=0)
     if not (isinstance(motion, ColumnMotion) and motion.is_known):
@@ -80,7 +81,7 @@ def _largest_nearby(differences: Sequence[Array], motion: DriverMotion) -> Array
 def jump_sizes(model: Simulation, signal: SignalTimes) -> Array:
     """The signed change, SI, from each sample to the closed form beyond the jump near it, (n,); 0 away from jumps.
 
-    Of several jumps near a sample the largest counts.
+    Of several jumps near a sample the largest counts; one without a size is tiny, never 0.
     """
     sizes = np.zeros(len(signal.time))
     if unit(signal.name, model.linkage) not in JUMPING:
@@ -349,8 +350,8 @@ def _crank_motion(
 ) -> tuple[DriverMotion, str, ImportedSignal | None]:
     """The crank's motion, its source in words, and the column that gives it; None where the motion is stated.
 
-    Of a column of angles and one of speeds it is the one that leaves less doubt. ``start_angle``, rad, is for a column
-    of speeds alone. Raises LinkproofError where nothing gives it.
+    Of a column of angles and one of speeds it is the one that leaves less doubt, and that of angles where it is a known
+    motion. ``start_angle``, rad, is for a column of speeds alone. Raises LinkproofError where nothing gives it.
     """
     signals = imported.signals
     if motion is not None:

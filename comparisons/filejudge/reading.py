@@ -70,8 +70,8 @@ def map_entries(given: Iterable[str], headers: Iterable[str]) -> dict[str, MapEn
     """The entries by their columns' headers, as ``_comparable``; one without "=" names a file with an entry per line.
 
     An entry is an equation, ``COLUMN=SIGNAL [UNIT]``: the column is ``sign factor signal + offset`` at its time +
-    shift. Raises LinkproofError for a text that is no equation, a header that no column has, two entries for one
-    column, and a file that cannot be read.
+    shift; the entry's correction undoes this. Raises LinkproofError for a text that is no equation, a header that no
+    column has, two entries for one column, and a file that cannot be read.
     """
     known, entries = {_comparable(header) for header in headers}, dict[str, MapEntry]()
     for text in (line for one in given for line in _lines(one)):

@@ -338,7 +338,7 @@ class Case:
 
     @cached_property
     def at_rest(self) -> Case:
-        """A case of the same mechanism, its driver at rest where the motion begins, for as long."""
+        """A case of the same mechanism, its driver held at rest where the motion begins, as long; no ``conditions``."""
         rest = Segment(0.0, self.motion.duration, (float(self.motion.angle(0.0)),))
         return Case(self.mechanism, CrankMotion(self.motion.regime, (rest,)))
 

@@ -35,7 +35,7 @@ def extreme_samples(values: Array, stretches: int) -> Integers:
 
 
 def highest_samples(values: Array, stretches: int) -> Integers:
-    """Index of the highest sample of each of a curve's ``stretches``, which are equally long but for the last.
+    """Indices, ascending, of the highest sample of each of a curve's stretches, equally long but for the last.
 
     ``stretches`` is their number; a short curve has fewer.
     """
