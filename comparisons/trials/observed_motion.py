@@ -67,7 +67,10 @@ class ObservedMotion:
         return signal
 
     def has(self, channel: Channel) -> bool:
-        """Whether a channel was recorded; a free crank's torque is known wherever its acceleration is."""
+        """Whether a channel was recorded; a free crank's torque is known wherever its acceleration is.
+
+        Of joint forces one is enough.
+        """
         if channel is Channel.JOINT_FORCE:
             return bool(self.history.joint_force)
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):

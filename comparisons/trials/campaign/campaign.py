@@ -146,7 +146,8 @@ def lost(
 ) -> RunRecord:
     """The record of a run whose process gave no result, with the reason in every quantity.
 
-    Arguments after ``failure`` are those of ``judged``.
+    Arguments after ``failure`` are those of ``judged``. Raises UnknownNameError for an engine or quantity,
+    LinkproofError for a quantity that the case lacks.
     """
     case = unpickle_case(pickled)
     run = run_of(case, setting, engine_name, engine(engine_name).version() or "")

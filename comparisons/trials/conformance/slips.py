@@ -239,7 +239,7 @@ def in_world(sample: str, wrong: Case, trial: EngineTrial) -> History | None:
 def _in_sample(sample: str, wrong: Sample, trial: EngineTrial) -> History | None:
     """The engine's history of a sample if it builds its worlds from the ``wrong`` sample instead.
 
-    None if it gives up. Raises NotTestedError where ``in_world`` does.
+    None if it gives up. Raises what ``in_world`` raises.
     """
     return in_world(sample, wrong.case, trial)
 
@@ -280,13 +280,19 @@ def _is_same(history: History, other: History) -> bool:
 
 
 def _lagging(signal: Signal) -> Array:
-    """The signal's values (n, ...), each half a sample too early for its time: it lags."""
+    """The signal's values (n, ...), each half a sample too early for its time: it lags.
+
+    Raises ValueError for fewer than six samples.
+    """
     time = signal.time
     return resample(signal, np.clip(time - 0.5 * np.gradient(time), time[0], time[-1]))
 
 
 def _with_late_start(signal: Signal) -> Array:
-    """The signal's values (n, ...), the first one replaced by that of half a step later."""
+    """The signal's values (n, ...), the first one replaced by that of half a step later.
+
+    Raises ValueError for fewer than six samples.
+    """
     time = signal.time.copy()
     time[0] += 0.5 * (time[1] - time[0])
     return resample(signal, time)
@@ -318,7 +324,10 @@ def extrapolated(weigh: Weigh, trial: EngineTrial) -> History | None:
 
 
 def _slightly_wrong_weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
-    """Richardson's weights of runs at these ``steps``, s, for errors of these orders, the first one 1e-6 too large."""
+    """Richardson's weights of runs at these ``steps``, s, for errors of these orders, the first one 1e-6 too large.
+
+    Raises what ``engines.stepping.richardson.weights`` raises.
+    """
     right = weights(steps, orders)
     right[0] += 1e-6
     return right

@@ -143,7 +143,7 @@ class LimitDocument(TomlTable):
 def read_limits(path: Path) -> LimitTable:
     """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for a wrong file.
 
-    That is one that is missing or no such TOML, or a row with an unknown setting, quantity or engine.
+    That is one that is missing or no such TOML; UnknownNameError for a row with an unknown setting, quantity or engine.
     """
     return with_rows(read_document(path, "a TOML file of limits", LimitDocument).limit, str(path))
 

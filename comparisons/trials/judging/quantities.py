@@ -376,11 +376,12 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Err
     """The ``blank`` record with the errors of one quantity over every sample that the engine returned, and its curve.
 
     The record is not judged yet; the curve is from ``stored_curve``. At an acceleration jump (``near_jumps``), samples
-    of accelerations and torques have a bound of their own: an engine may be off by the jump besides. Where friction or
-    a load jumps they are left out, and so are samples of Jeq near standstill; ``left_out`` counts both. A vector is
-    compared as one, and stored by its magnitude; where the engine tells the magnitude alone, magnitudes are compared.
-    Raises NoSampleError where no sample is left, forces have no bound, a thread's feed has no value, or no link has a
-    mass and the truth is zero; LinkproofError where the closed form has none.
+    of accelerations, torques, powers and forces have a bound of their own, ``error_at_jumps``: an engine may be off by
+    the jump besides. Where friction or a load jumps they are left out, and so are samples of Jeq near standstill;
+    ``left_out`` counts these and those at acceleration jumps. A vector is compared as one, and stored by its magnitude;
+    where the engine tells the magnitude alone, magnitudes are compared. Raises NoSampleError where no sample is left,
+    forces have no bound, a thread's feed has no value, or no link has a mass and the truth is zero; LinkproofError
+    where the closed form has none.
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))

@@ -44,7 +44,10 @@ class Reading:
         return self.values_at(self.time)
 
     def values_at(self, time: Array) -> Array:
-        """Values of the signal at times, s, (n, k), interpolated; outside of its own clock the first or the last."""
+        """Values of the signal at times, s, (n, k), interpolated; outside of its own clock the first or the last.
+
+        Raises ValueError for fewer than six samples at other times than its own.
+        """
         return self.channel_values(self.channel, self.name, time)[:, self.columns]
 
     def channel_values(self, channel: Channel, name: str, time: Array) -> Array:

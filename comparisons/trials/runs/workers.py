@@ -147,7 +147,7 @@ class LocalPool:
                 yield worker.job[0], result
 
     def close(self) -> None:
-        """Kill all workers, also those with a job."""
+        """Kill all workers, also those with a job; the pool can be used again."""
         workers = (*self._free, *self._busy.values())
         self._free.clear()
         self._busy.clear()

@@ -253,7 +253,7 @@ def case(conditions: Conditions) -> Case:
     """The case of a cell's ``conditions``; the last few are kept for its neighbours.
 
     A long released motion takes seconds to integrate. Raises AssemblyError, or LinkproofError, where there is no motion
-    to hold an engine to.
+    to hold an engine to, KeyError for a link that the linkage lacks.
     """
     mechanism = Mechanism(linkage(conditions))
     if conditions.motion != RELEASED:

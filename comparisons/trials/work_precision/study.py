@@ -527,7 +527,8 @@ def _method_descriptions(request: BenchRequest) -> list[Mapping[str, Any]]:
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     """The requested methods of an engine, named, for a case; [] if it cannot be used or studied here.
 
-    Where the adapter raises, methods of the requested names, or one, "methods", whose runs show what it raises.
+    Where the adapter raises, methods of the requested names, or one, "methods", whose runs show what it raises. Raises
+    UnknownNameError for an engine that does not exist.
     """
     adapter = engine(name)
     if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
@@ -561,7 +562,7 @@ def planned_sweeps(
     """Yield the sweeps of one engine on the case numbered ``number``: settings first, then these ``methods``.
 
     Settings and extent are the request's; with ``fronts_only`` all settings but the best, and of the methods the last
-    of a single run and the last of several.
+    of a single run and the last of several. Raises UnknownNameError for the engine.
     """
     settings, extent = request.settings, request.extent
     if extent.fronts_only:
