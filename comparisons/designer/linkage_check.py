@@ -187,7 +187,7 @@ def _unit_slip(load: Load, linkage: Linkage) -> str:
 def _table_slips(load: str, law: Law) -> Iterator[str]:
     """Yield sentences about a table that leaves out part of the turn, or whose spline overshoots its values.
 
-    ``load`` is the load's name.
+    ``load`` is the load's name. Nothing for a law that is no table over a turn of φ.
     """
     if law.angles is None or not law.period:
         return

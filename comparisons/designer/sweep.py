@@ -126,8 +126,8 @@ LARGEST_TABLE: Final = 1 << 27  # bytes
 def read_table(path: Path, case: SteadyCase) -> DesignSpace:
     """The list of designs of a CSV file, whose first line names parameters: ``rod.B.x`` or ``rod.B.x [cm]``.
 
-    Raises LinkproofError for a file that cannot be read, an unknown column or unit, a parameter named twice, and rows
-    that are no designs.
+    Raises LinkproofError for a file that cannot be read or has no design, an unknown column or unit, a parameter named
+    twice, and rows that are no designs.
     """
     start = f"--table '{path}': expected"
     content = read_file(path, "a table of designs", LARGEST_TABLE)

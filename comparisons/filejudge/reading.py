@@ -52,7 +52,7 @@ class MapEntry:
     def meaning(self, parser: HeaderParser, column: Column) -> tuple[Meaning, Correction]:
         """The column's meaning and its correction, in SI; raises LinkproofError for an unknown signal or unit.
 
-        The meaning has no unit where neither the entry nor the header states one.
+        The meaning has no unit where neither the entry nor the header states one that measures the signal.
         """
         if self.signal not in (TIME, *parser.signals):
             raise self.fail(str(UnknownNameError("signal", self.signal, (TIME, *parser.signals))))
