@@ -18,7 +18,7 @@ The first body of a pin is the link that is not the ground, of two moving links 
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,
 a speed and a force in place of angle, angular speed and torque. Linkages without masses and loads have
 no torques and no forces; without an output there are no S, v and a, and without a thread no feed. Names of joints and
-groups may contain colons.
+groups may contain colons. Formulas raise AssemblyError where the linkage cannot be assembled or moved.
 """
 
 from __future__ import annotations

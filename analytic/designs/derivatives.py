@@ -183,7 +183,10 @@ class _Design:
     speed: float
 
     def _list(self, signals: Iterable[str]) -> LinkageTrace:
-        """The list of operations that computes these signals; in place of S the output's coordinate."""
+        """The list of operations that computes these signals; in place of S the output's coordinate.
+
+        Raises errors as ``linkage_trace`` does.
+        """
         return linkage_trace(self.mechanism, self.parameters, tuple(map(sampled_source, signals)))
 
     def _input_values(self, listed: LinkageTrace, places: Array) -> dict[int, Any]:

@@ -85,7 +85,8 @@ def _points(sweep: Sweep, body: str) -> Mapping[str, Vector]:
 def _sliding_along(sweep: Sweep, guide: Guide, body: str, local: Vector) -> tuple[Scalar, tuple[Load, Load]]:
     """The rate over φ at which a body's point ``local`` slides along a guide, m/rad, and the unit loads that resist it.
 
-    The point is in the body's frame, m. The first load, 1 N, is on the body, its reverse on the guide's host.
+    The point is in the body's frame, m. The first load, 1 N, is on the body, its reverse on the guide's host. Raises
+    AssemblyError where the linkage cannot be assembled or moved.
     """
     direction = frames.arm(sweep.poses(guide.host), guide.along)
     origin = sweep.local_point(guide.host, (0.0, 0.0))

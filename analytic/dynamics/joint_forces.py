@@ -413,7 +413,8 @@ def shaking(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vect
     By d'Alembert's principle the frame takes all that acts on the links from outside, Σ weights + Σ applied forces − Σ
     m S̈; inner forces cancel. That is the reverse of what the ground exerts, by joints and by springs and dampers
     fastened to it. The drive stands on the frame: the reverse of its torque is part of the moment. Forces at points and
-    torques on links come from outside; their reactions do not act on this frame.
+    torques on links come from outside; their reactions do not act on this frame. Raises AssemblyError where the linkage
+    cannot be assembled or moved.
     """
     x: Scalar = 0.0
     y: Scalar = 0.0

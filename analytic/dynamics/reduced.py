@@ -441,7 +441,7 @@ def load_corners(mechanism: Mechanism, low: float, high: float) -> Array:
     """The values of φ between two others, rad or m, ascending, at which a load has a corner, or sets in.
 
     ``low`` and ``high`` themselves are left out. Of a joint with friction they are the two sides of each reversal,
-    where the friction jumps.
+    where the friction jumps. Raises LinkproofError for a load of the output where that stands still over a full turn.
     """
     laws = mechanism.linkage.laws
     places = [(corner, law.period) for law in laws if law.over == "phi" for corner in law.corners]

@@ -95,7 +95,8 @@ class FreeMotion:
 
         The first is twice the largest difference from a second integration of another order, with a tighter tolerance
         and a table of its own. The second is the effect on the motion of the bounds on the
-        closed form's own error, which both integrations share: the response to a small disturbance, scaled down.
+        closed form's own error, which both integrations share: the response to a small disturbance, scaled down. Raises
+        LinkproofError where one of these motions cannot be followed to its end.
         """
         time = self._instants(SAMPLES)
         angle = self.angle(time)
@@ -105,7 +106,8 @@ class FreeMotion:
     def _integration_error(self, time: Array, angle: Array) -> float:
         """Largest difference of φ, rad, from the second integration.
 
-        It is looked for at instants ``time``, s, where φ is ``angle``, rad.
+        It is looked for at instants ``time``, s, where φ is ``angle``, rad. Raises LinkproofError where the motion
+        cannot be followed.
         """
         equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
         control = _integrate_windows(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
@@ -115,7 +117,8 @@ class FreeMotion:
         """Largest change of φ, rad, by roundings of the closed form.
 
         It is looked for at instants ``time``, s, where φ is ``angle``, rad. Those of the moment may all have one sign;
-        those of ½Jeq' are proportional to it, else they would do work.
+        those of ½Jeq' are proportional to it, else they would do work. Raises LinkproofError where the disturbed motion
+        cannot be followed.
         """
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
@@ -232,7 +235,10 @@ def energy_imbalance(motion: FreeMotion) -> float:
 
 
 def _power_of_loads(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Power, W, at instants, s, of torque, forces and damping, which have no potential energy; shape of ``time``."""
+    """Power, W, at instants, s, of torque, forces and damping, which have no potential energy; shape of ``time``.
+
+    Raises AssemblyError where the linkage cannot be assembled or moved on the way.
+    """
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     sweep = mechanism.sweep(angle)
     force = motion.equation.torque(angle)[0]
@@ -347,7 +353,7 @@ def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
 def _repeating_rotation(equation: EquationOfMotion, speed: float) -> Rotation | None:
     """The rotation whose speed a turn brings back, found by secants from ``speed``, rad/s; None if there is none.
 
-    The crank stalls, or the search has not settled.
+    The crank stalls, or the search has not settled. Raises LinkproofError where a motion cannot be followed.
     """
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):

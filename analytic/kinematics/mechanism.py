@@ -249,7 +249,7 @@ def _with_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
     def hosts(angle: Array) -> Motions:
         """Motions, over φ (n,), by name, of the bodies that the group hangs on: pose, rate, acceleration.
 
-        Every number of them is an array (n,).
+        Every number of them is an array (n,). Raises AssemblyError where a group before it does not meet or move.
         """
         sweep = Sweep(linkage, before, angle)
         motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
