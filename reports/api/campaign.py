@@ -58,7 +58,7 @@ DEEPEST_FOLDER = 5  # so many folders at most are put before equal names of file
 def chosen_linkages(
     given: LinkageLike | Sequence[LinkageLike], motion: Motion
 ) -> tuple[tuple[Linkage, ...], tuple[LinkageFile, ...]]:
-    """The linkages in the variant and under the gravity of a motion, and their files, in the order given.
+    """The linkages in the variant and under the gravity of a motion, and their files, in the order given, each once.
 
     By default they are the catalogue's that have the variant. Files of the same name get the names of their folders
     before their own, as many as are needed to differ. Raises LinkproofError where two names are the same, and for a

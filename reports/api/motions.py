@@ -154,7 +154,11 @@ def check_motion(options: Asked) -> None:
 
 
 def _check_turning(options: Asked) -> None:
-    """Raise LinkproofError for options that make no motion of a crank that turns on."""
+    """Raise LinkproofError for options that make no motion of a crank that turns on.
+
+    These are a regime that only a swing has, a time that is negative or not finite, no ramp time for a run-up, and no
+    time at all at constant speed.
+    """
     for name in options.regime:
         if name in LAWS and name not in REGIMES:
             raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
@@ -166,7 +170,11 @@ def _check_turning(options: Asked) -> None:
 
 
 def _check_swing(options: Asked) -> None:
-    """Raise LinkproofError for options that make no motion from one angle to another."""
+    """Raise LinkproofError for options that make no motion from one angle to another.
+
+    These are one end alone, an end that is not finite, equal ends, a negative speed towards a larger angle, times, a
+    start angle, and a run-up.
+    """
     start, end = options.from_angle, options.to_angle
     if start is None or end is None:
         given, lacking = ("--to", "--from") if start is None else ("--from", "--to")

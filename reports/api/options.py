@@ -178,8 +178,8 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 def option_value(option: DeclaredOption, given: Any) -> Any:  # noqa: ANN401, PLR0911 - of any option, a type each
     """The value of an option in its one form: several in a tuple, paths as Path.
 
-    None is the default where it is allowed. A mapping of ranges becomes words, "rod.B.x=170:180". Raises LinkproofError
-    for a value of another type.
+    None is the default where it is allowed. A mapping of ranges becomes words, "rod.B.x=170:180"; other mappings, and
+    what may be anything, stay. Raises LinkproofError for a value of another type.
     """
     name, kinds = option.field.name, (option.kind, *get_args(option.kind))
     several = member_type(option.kind)
@@ -346,7 +346,7 @@ class OutputOptions:
 
     ``save`` has single files, each in the format of its suffix: ``decimal`` is the point or comma in the numbers of a
     CSV file, ``figure`` the single picture to draw instead of all. ``quiet`` prints no progress and no tables,
-    ``verbose`` adds the details of every record.
+    ``verbose`` adds the details of every record, ``opens`` shows the page in ``out`` in the browser.
     """
 
     decimal: Annotated[str, Option("Decimal mark of a .csv; with a comma, semicolons between columns.", ".|,")] = "."

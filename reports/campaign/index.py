@@ -330,7 +330,8 @@ def index(
 ) -> Page:
     """The first page of a folder: campaign, mechanisms, ``studies`` (a link and a sentence each), their ``cost``.
 
-    What there is not is left out. ``results`` is None without a campaign; ``cost`` follows the verdict.
+    What there is not is left out. ``results`` is None without a campaign; ``cost``, paragraphs on the cheapest engines,
+    follows the verdict.
     """
     trust = EngineRanking(results) if results is not None and results.records else None
     cards = Cards(tuple(map(card, sheets)))

@@ -72,8 +72,8 @@ class Destination(OutputOptions):
     def emit(self, study: Study) -> int:
         """Print a study with its warnings, write its files and name them; returns the exit code.
 
-        Opens its page if asked to. Raises LinkproofError for a study without content or one of which nothing could be
-        judged, and for a file that cannot be written.
+        Warnings and the names of files go to stderr. Opens its page if asked to. Raises LinkproofError for a study
+        without content or one of which nothing could be judged, and for a file that cannot be written.
         """
         study.check_content()
         warnings = (f"warning: {text}" for text in dict.fromkeys(study.warnings))  # be the run quiet or not

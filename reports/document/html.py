@@ -40,7 +40,8 @@ def write(page: Page, folder: Path, pages: Sequence[PageLink]) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
     Returns the files' names within the folder, the page's first. ``pages`` are links to the report's pages, for its
-    menu. Raises LinkproofError for a file that cannot be written.
+    menu. Raises LinkproofError for a file that cannot be written, ValueError for a number of a widget that is not
+    finite.
     """
     files = _PageFiles(folder, page)
     policy = Markup(f"{POLICY}; connect-src 'self'" if page.state else POLICY)  # a page that follows a file

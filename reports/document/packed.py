@@ -13,7 +13,7 @@ FULL_SHARE: Final = 65534  # of the way between the ends of a packed column
 
 
 def packed(*columns: Array) -> dict[str, Any]:
-    """Columns (n,) for a drawing, which has fewer places than 16 bits: ends of each, and shares of the way between.
+    """Columns (n,) for a drawing, to which 16 bits are enough: ends of each, and shares of the way between.
 
     They are under "ends", (low, high) each, and "shares", one text for all columns, JSON-ready. The shares are whole
     numbers up to ``FULL_SHARE``, the lower byte first, in base64; one more stands for a value that is not finite, and

@@ -57,7 +57,7 @@ def is_imported(view: View) -> bool:
 def errors_chart(view: View) -> Widget:
     """The widget of all errors and curves; its regime, quantity, engines and settings can be chosen.
 
-    It opens with the curves of the worst signal of a judged file, with every error of engines. The first curves are on
+    It opens with the curves of the worst signal where a file was judged, else with every error. The first curves are on
     the page, the others loaded when they are chosen.
     """
     further = curves(view)

@@ -83,7 +83,10 @@ def warning_words(facts: Facts, written: Callable[[float], str]) -> Iterator[str
 
 
 def _structure_words(structure: str) -> str:
-    """The groups in their order as text, the middle left out of more than seven; ``structure`` joins them by " -> "."""
+    """Driver and groups in their order as text; of more than seven the first three, the last and the number of groups.
+
+    ``structure`` has them joined by " -> ", the driver first.
+    """
     groups = structure.split(" -> ")
     if len(groups) <= MOST_GROUPS:
         return structure
