@@ -65,7 +65,7 @@ def way_words(record: Row) -> str:
 def method_words(record: Row) -> str:
     """The name of a point's setting or method, without its step; of several runs extrapolated with " x3" at its end.
 
-    A method's name may end in that already.
+    That stands there once, whether or not the name ends in it already.
     """
     runs = f" x{record.runs}" if record.is_extrapolated else ""
     return str(record.setting).removesuffix(runs) + runs
@@ -194,7 +194,7 @@ def place_tables(place: DataFrame, quantity: str, about: Mapping[tuple[str, str]
 def _method_row(sweep: DataFrame, about: Mapping[tuple[str, str], str]) -> tuple[TableCell | str, ...]:
     """The row of a sweep's method: engine, method, order, least error over the peak, steps per turn and time of that.
 
-    A note on the method is what ``about`` has of it, by engine and method's name.
+    A note on the method is what ``about`` has of it, by engine and method's name; a dash is an unknown order.
     """
     best = least(sweep)
     name = TableCell(method_words(best), note=about.get((best.engine, best.setting), ""))

@@ -211,9 +211,9 @@ def words(given: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is passed
 
 
 def _numbers(option: DeclaredOption, given: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is passed
-    """A number or several as a tuple of floats; a text has commas between them; raises LinkproofError otherwise.
+    """A number or several as a tuple of numbers; a text has commas between them; raises LinkproofError otherwise.
 
-    Those of a text have to be finite.
+    Those of a text become floats and have to be finite.
     """
     import numpy as np  # noqa: PLC0415 - help does without
 

@@ -51,7 +51,7 @@ def listed_engines(names: Sequence[str]) -> Listing:
 
 
 def _describe_engine(adapter: Engine) -> dict[str, Any]:
-    """The abilities and read-outs of an engine, and as "unusable" the reason if it cannot be used here; JSON-ready.
+    """The name, version, abilities and read-outs of an engine, JSON-ready; "unusable" is why it cannot be used here.
 
     That is "" if it can.
     """

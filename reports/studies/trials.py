@@ -173,9 +173,10 @@ class Comparison(Trials):
 
     @property
     def exit_code(self) -> int:  # type: ignore[override]
-        """The exit code: 1 if a deciding record or a change fails, 3 for a fault of linkproof, else 0.
+        """The exit code: 3 for a fault of linkproof, 1 if a deciding record or a change fails, else 0.
 
-        Naive records decide only if alone. Raises LinkproofError if nothing is judged.
+        Naive records decide only if alone. Raises LinkproofError if no deciding record is judged, unless the code is 1
+        or 3.
         """
         return campaign_exit_code(self.records, self.changes)
 
@@ -334,7 +335,7 @@ def campaign_exit_code(records: Iterable[Error], changes: Iterable[Change] = ())
     """The exit code for judged records and changes; naive records count only without other settings.
 
     Of ``changes`` since results were recorded those that fail count. It is 3 for a fault of linkproof, 1 for a failure,
-    else 0. Raises LinkproofError if no deciding record is judged.
+    else 0. Raises LinkproofError where it would be 0 and no deciding record is judged.
     """
     every = list(records)
     decisive = {Verdict(record.outcome) for record in deciding(every)}
