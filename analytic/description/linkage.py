@@ -75,7 +75,7 @@ class DriverCoordinate:
         return "force" if self.is_linear else "torque"
 
     def kind(self, kind: Kind) -> Kind:
-        """The kind that a number of the drive has: of a linear one a length or force for an angle or torque.
+        """The kind that a number of the drive has: length, velocity or force if linear, else angle, speed or torque.
 
         Kinds that do not depend on the driver come back unchanged.
         """

@@ -55,7 +55,11 @@ class Kind(StrEnum):
         return self.si.replace(" ", "*").replace("²", "^2")
 
     def of_driver(self, *, is_linear: bool) -> Kind:
-        """The kind that a number of the driver has: an angle and torque, or length and force; other kinds unchanged."""
+        """The kind that a number of the driver has; other kinds come back unchanged.
+
+        Coordinate, its speed and drive become angle, angular velocity and torque, of a linear one length, velocity and
+        force; a speed of a linear one becomes a velocity.
+        """
         turning, pushed = OF_DRIVERS.get(self, (self, self))
         return pushed if is_linear else turning
 

@@ -99,7 +99,7 @@ class Figure:
 
     @property
     def is_mean(self) -> bool:
-        """Whether it is an integral over the motion."""
+        """Whether it is an integral over the motion, a mean or an RMS."""
         return self.reduction in (Reduction.MEAN, Reduction.RMS)
 
     @property
@@ -200,7 +200,10 @@ def _signals(mechanism: Mechanism, without: Collection[str] = NOT_OF_A_DESIGN) -
 
 
 def _known_figures(known: Mapping[str, str]) -> list[str]:
-    """Names of all figures of the ``known`` signals, ``stroke`` first, then the peaks; none at an angle."""
+    """Names of all figures of the ``known`` signals, by the names typed, and of their families; none at an angle.
+
+    ``stroke`` comes first, if there is S, then the peaks, then the other reductions.
+    """
     families = [kind for kind in FAMILIES if any(name.startswith(f"{kind}:") for name in known)]
     stroke = [STROKE] if "S" in known else []
     return [*stroke, *(f"{name}.{word}" for word in REDUCTIONS for name in (*known, *families))]

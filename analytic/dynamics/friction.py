@@ -47,7 +47,10 @@ class Contact(NamedTuple):
     loads: tuple[Load, Load]
 
     def against(self, direction: Array) -> list[Load]:
-        """Loads of a unit of friction against the motion, if the driver moves by the sign of ``direction`` (...)."""
+        """Loads of a unit of friction against the motion, if the driver moves by the sign of ``direction``.
+
+        This is of the sweep's shape, 1 or -1. Where the joint does not move they are zero.
+        """
         return [load.times(np.sign(self.rate) * direction) for load in self.loads]
 
 

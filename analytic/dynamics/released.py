@@ -328,7 +328,8 @@ def steady_state(mechanism: Mechanism, torque: float | Law) -> Rotation:
     """The rotation that repeats itself turn after turn under a crank torque M1, N m, a number or a law of φ.
 
     Raises LinkproofError without a steady rotation: no damping, no mean torque, or too little torque for the loads; and
-    where ``equation_of_motion`` does. AssemblyError for a crank that cannot make a full turn.
+    where ``equation_of_motion`` does or a motion cannot be followed. AssemblyError for a crank that cannot make a full
+    turn.
     """
     equation = equation_of_motion(mechanism, torque)
     sweep = mechanism.sweep(grid())

@@ -151,7 +151,8 @@ class _ChangePointSearch:
     def find_change_points(self, number: int) -> None:
         """Find a dyad's change points and put their patches into ``dyads``; note where it is undetermined.
 
-        ``number`` is the dyad's. An odd number of change points doubles the ``period``.
+        ``number`` is the dyad's; one with a single mode is left as it is. An odd number of change points doubles the
+        ``period``.
         """
         dyad = self.dyads[number]
         if not dyad.has_two_modes:

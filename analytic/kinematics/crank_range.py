@@ -43,7 +43,10 @@ class Toggle:
 
     @property
     def sentence(self) -> str:
-        """How the links stand there, after their names, such as "coupler + rocker (RRR): stretched in one line"."""
+        """How the links stand there, after their names, such as "coupler + rocker (RRR): stretched in one line".
+
+        At an end of the cylinder it is "the cylinder is retracted" or "extended".
+        """
         return f"{self.dyad.name}: {self.reason}" if self.dyad else self.reason
 
 

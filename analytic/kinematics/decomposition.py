@@ -239,7 +239,7 @@ class _PlacedBodies:
         return divide(tuple(sizes.items()), tuple(filter(None, unknown)))
 
     def joints(self, *bodies: str) -> Iterator[Any]:
-        """Yield the joints of these bodies with placed ones, seen from these, and with each other.
+        """Yield the joints of these bodies with placed ones, seen from the placed ones, and with each other.
 
         Those with each other are seen from the first. They are pins, then slides, then the cylinder; the bodies are
         given by name.
@@ -266,9 +266,10 @@ class _PlacedBodies:
                 yield DrivenDistance(near_end[1], far_end[1], *locals_)
 
     def group(self, *links: str) -> AnyGroup:
-        """The group that these links, by name, form with the placed bodies.
+        """The group that these links, by name, form with the placed bodies: a dyad, or a link with the cylinder.
 
-        Raises StructureError for two links that three slides hold, or that have no joint where a dyad needs it.
+        Any other is a ``Group`` of its class. Raises StructureError for two links that three slides hold, or that have
+        no joint where a dyad needs it.
         """
         joints = tuple(self.joints(*links))
         outer, driver = joints[0], joints[-1]

@@ -406,7 +406,8 @@ class RRR(_PinDyad):
     def fault(self, at: At, written: Written) -> Shortfall:
         """The shortfall, as a fault and a sentence: arms too short for the gap, one too long, or pins that coincide.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length, m.
+        The fault is ``UNDETERMINED`` where pins coincide and the arms are equal, else ``UNASSEMBLED``. ``at`` takes a
+        value's number at the place, ``written`` writes a length, m.
         """
         dyad, (first, second), other = self.dyad, (side.length for side in self.sides), self.dyad.links[1]
         gap = at(self.gap())
@@ -471,7 +472,7 @@ class RRP(_PinDyad):
         self.sides[0].length -= margin
 
     def fault(self, at: At, written: Written) -> Shortfall:
-        """The shortfall, as a fault and a sentence, of an arm that does not reach the line.
+        """The shortfall, as a fault, always ``UNASSEMBLED``, and a sentence, of an arm that does not reach the line.
 
         ``at`` takes a value's number at the place, ``written`` writes a length, m.
         """
@@ -620,7 +621,8 @@ class RPR(_SlideDyad):
     def fault(self, at: At, written: Written) -> Shortfall:
         """The shortfall, as a fault and a sentence: the offset too large, or A on B.
 
-        ``at`` takes a value's number at the place, ``written`` writes a length, m.
+        The fault is ``UNASSEMBLED``, in the second case ``UNDETERMINED``. ``at`` takes a value's number at the place,
+        ``written`` writes a length, m.
         """
         dyad, distance, offset = self.dyad, at(self.gap()), abs(self.offset)
         if offset == 0.0:

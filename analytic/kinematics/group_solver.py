@@ -295,7 +295,7 @@ class GroupSolver:
         return GroupSystem(self.group.joints, self.group.links, hosts, self.coordinate, self.branch.unit)
 
     def _flat(self, parts: Any) -> Any:  # noqa: ANN401 - a pose or a rate
-        """The numbers of a pose or a rate, each as a flat array over φ, (n,)."""
+        """The numbers of a pose or a rate, arrays over φ or constants, as a tuple, each flat over all φ, (n,)."""
         count = (len(self.coordinate),)
         return tuple(np.ravel(np.broadcast_to(np.asarray(part, dtype=float), self.shape or count)) for part in parts)
 
@@ -313,7 +313,7 @@ class GroupSolver:
         return np.where(self.moves, 0.0, np.minimum(self.margin(), 0.0) - np.finfo(float).tiny)
 
     def fault(self, _: object, linkage: Linkage) -> Shortfall:
-        """Why the links do not meet at some φ, as a fault and a sentence, the same for every φ."""
+        """Why the links do not meet at some φ, as a fault, always ``UNASSEMBLED``, and a sentence, one for every φ."""
         names = ", ".join(f"'{name}'" for name in self.group.links)
         s = "" if len(self.group.links) > 1 else "s"
         low, high = (linkage.phi.text(end) for end in self.branch.ends)

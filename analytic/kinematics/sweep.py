@@ -99,7 +99,8 @@ class Sweep:
     ) -> None:
         """Pose the linkage at φ of any shape; where it fails ``faults`` is set or, without it, AssemblyError raised.
 
-        Groups are solved when they are needed. ``zero_of_s`` gives the coordinate, m, from which loads over S count.
+        Groups are solved when they are needed. ``zero_of_s`` gives the coordinate, m, from which loads over S count, by
+        default 0.
         """
         self.linkage = linkage
         self.structure = structure
