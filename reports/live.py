@@ -330,7 +330,7 @@ def _joints(linkage: Linkage) -> Iterator[dict[str, str]]:
         yield {"name": slider.name, "point": slider.point, "on": slider.link}
     carriers = {point: name for name, link in linkage.links.items() for point in link.points}
     for slot in linkage.slots:
-        yield {"name": slot.name, "point": slot.point, "on": carriers[slot.point]}
+        yield {"name": slot.name, "point": slot.point, "on": carriers.get(slot.point, GROUND)}
 
 
 # A linkage as a page computes it: its formulas printed in JavaScript, its numbers, loads and motion as plain data.

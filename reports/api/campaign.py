@@ -381,7 +381,8 @@ def benchmark(function: Callable[..., Any], given: Mapping[str, Any], linkages: 
             asked = BenchRequest(cases, runs.engines, quantities, extent=extent, pool=pool, command=command)
             return measure_all(asked, announce, finished)
 
-    return kept(Benchmark, make, function, given, engines=runs.engines, linkages=linkages)
+    study = kept(Benchmark, make, function, given, engines=runs.engines, linkages=linkages)
+    return replace(study, linkages=tuple(linkages))
 
 
 def usual_motion(motion: Motion, *, quick: bool) -> Motion:

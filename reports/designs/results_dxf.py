@@ -20,7 +20,14 @@ from comparisons.designer.sheet import Positions
 from reports.charts import symbols
 from reports.charts.scheme import KinematicScheme
 
-UNITS: Final = {"m": units.M, "cm": units.CM, "mm": units.MM, "um": units.InsertUnits.Microns, "in": units.IN}
+UNITS: Final = {
+    "m": units.M,
+    "cm": units.CM,
+    "mm": units.MM,
+    "um": units.InsertUnits.Microns,
+    "in": units.IN,
+    "ft": units.FT,
+}
 FORBIDDEN: Final = re.compile(r"""[<>/\\":;?*|=,`']""")  # in the name of a layer
 CODES: Final = re.compile(r"%(?=%)|\^")  # begin what a text shows as another character
 JOINTS, NAMES = "joints", "names"

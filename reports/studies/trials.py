@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
+from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.designer.linkage_check import warnings
 from comparisons.trials.campaign import results as campaign
@@ -247,11 +248,17 @@ def _value_by_name(what: str, name: str | None, known: Mapping[str, Named]) -> N
 class Benchmark(Trials):
     """Errors against run times of engines: a point per engine, setting or method, and step.
 
-    ``to_pandas`` has a row for every point and quantity.
+    ``to_pandas`` has a row for every point and quantity. ``linkages`` are those measured; a folder's study has none.
     """
 
     module: ClassVar[ModuleType] = work_precision
     results: Bench
+    linkages: tuple[Linkage, ...] = ()
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """Warnings about probable slips of the linkages' files; [] without any."""
+        return [text for linkage in self.linkages for text in warnings(linkage)]
 
     def printout(self) -> Printout:
         """The printed benchmark: per mechanism and regime methods, cheapest ways to an error, and settings.

@@ -10,6 +10,7 @@ import pandas
 import pytest
 
 from analytic.description.crank_motion import swing
+from analytic.description.units import UNITS
 from analytic.errors import LinkproofError
 from comparisons.designer.curves import Instants
 from comparisons.filejudge.reading import read_results
@@ -36,7 +37,7 @@ from tests.reports.designs.samples import (
 
 ezdxf = pytest.importorskip("ezdxf")
 openpyxl = pytest.importorskip("openpyxl")
-dxf = pytest.importorskip("reports.designs.results_dxf").dxf
+dxf, dxf_units = (getattr(pytest.importorskip("reports.designs.results_dxf"), name) for name in ("dxf", "UNITS"))
 workbook = pytest.importorskip("reports.designs.results_workbook").workbook
 
 
@@ -220,6 +221,10 @@ def test_joints_are_where_the_table_at_this_angle_has_them(own, motion, degrees)
     spots = np.array([*points.values()])
     assert circles
     assert max(float(np.min(np.hypot(*(spots - circle).T))) for circle in circles) == 0.0
+
+
+def test_a_drawing_has_a_unit_for_every_length_of_a_file():
+    assert {*UNITS["length"]} == {*dxf_units}
 
 
 def test_without_an_angle_it_is_drawn_as_sketched_in_the_files_unit_with_its_guide_and_a_layer_for_each_link():
