@@ -351,7 +351,7 @@ def has_two_values(case: Case, time: Array) -> Booleans:
     """
     linkage = case.mechanism.linkage
     is_directed = bool(linkage.friction) or any(law.when for law in linkage.laws)
-    at_rest = is_directed & (case.motion.speed(time) == 0.0)
+    at_rest = np.asarray(is_directed & (case.motion.speed(time) == 0.0))
     return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time)) | at_rest
 
 
