@@ -351,8 +351,9 @@ def has_two_values(case: Case, time: Array) -> Booleans:
     """
     linkage = case.mechanism.linkage
     is_directed = bool(linkage.friction) or any(law.when for law in linkage.laws)
-    at_rest = np.asarray(is_directed & (case.motion.speed(time) == 0.0))
-    return near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time)) | at_rest
+    at_rest = is_directed & (case.motion.speed(time) == 0.0)
+    near = near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time))
+    return np.asarray(near | at_rest)
 
 
 def near_jump(time: Array, motion: DriverMotion, jump: float) -> Booleans:
