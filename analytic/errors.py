@@ -113,7 +113,7 @@ def _similar_names(name: str, choices: Sequence[str]) -> list[str]:
     """Those ``choices`` that begin with a name, capitals or not.
 
     If there are none, up to three close in spelling, the nearest first; if none is, those that differ in one letter.
-    None for an overlong name.
+    An overlong name gets none of these two kinds, and an overlong choice is not among them.
     """
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:

@@ -289,6 +289,7 @@ def plain_program(trace: OperationList, given: Sequence[int], rows: Sequence[int
     The keys are given and rows, with how many numbers each has, constants, names, operations and results. Values have
     numbers: those ``given`` first, then those of the ``rows``, ``constants``, and one of each of the ``operations``,
     which have the place of their name among ``names`` and the numbers of their operands; ``results`` are such numbers.
+    A constant that is not finite is text, its name in JavaScript.
     """
     known = (*given, *rows)
     needed = [line for line in trace.lines_needed(results, known) if line not in known]

@@ -87,7 +87,11 @@ class SimbodyModel:
             self.turning[branch.body.name] = self.turning[branch.parent] + ([number] if is_hinge else [])
 
     def as_data(self, recipe: SimbodyRecipe) -> dict[str, Any]:
-        """The model as plain data by name: bodies, cuts, springs, loads, drive and read-outs."""
+        """The model as plain data by name: gravity, bodies, joints, cuts, springs, dampers, loads, drive and read-outs.
+
+        Of the ``recipe`` it has the joints' tolerance, its ``effort``, and whether its steps are ``fixed``. Units are
+        the scene's.
+        """
         numbers = self.numbers
         return {
             "gravity": self.scene.gravity,

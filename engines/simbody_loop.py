@@ -169,8 +169,9 @@ def components(law: Any) -> int:  # noqa: ANN401
 def load_functions(law: Any, time: Array, angle: Array) -> list[Any]:  # noqa: ANN401
     """Three functions of time for OpenSim: x and y of a force, and zero, or zeros and a torque.
 
-    The law is a list of constants, a dictionary of ``times``, s, and ``torque``, with straight lines between, or knots,
-    cubics and a period over φ: it is then taken at ``angle``, φ at each ``time``, s, and splined between.
+    The law is a list of constants, a dictionary of ``times``, s, and ``torque`` with straight lines between and its end
+    values beyond, or knots, cubics and a period over φ: it is then taken at ``angle`` (n,), φ at each ``time`` (n,), s,
+    and splined between.
     """
     result = [opensim.Constant(0.0) for _ in range(3)]
     if isinstance(law, dict):

@@ -235,9 +235,10 @@ NAMED = (0, 1, 4)
 
 
 def verdicts(regimes: Regimes, noise: float) -> tuple[Paragraph, ...]:
-    """A paragraph per regime on the cheapest engines for a few errors, controls aside.
+    """A paragraph per regime on the cheapest engines for the errors ``NAMED`` of ``WANTED``, controls aside.
 
-    Times within a share ``noise`` of each other are equal.
+    ``regimes`` have, by name, the measured points of each place as rows. Times within a share ``noise`` of the least
+    are equal.
     """
     chosen = {
         name: [[choices(points) for points in engines(place) if not points.is_control.any()] for place in places]

@@ -357,7 +357,7 @@ class RRR(_PinDyad):
     def meet(self) -> Poses:
         """Poses of both links; the radicand is a product (Heron), so that it is accurate near dead positions.
 
-        Sets the determinant and the arms.
+        Sets the determinant, the arms and the place of the inner pin.
         """
         first, second = self.sides
         total, difference = first.length + second.length, first.length - second.length
@@ -439,7 +439,8 @@ class RRP(_PinDyad):
     def meet(self) -> Poses:
         """Poses of both links, from A's distance to the line as the arm's component across it.
 
-        Sets the offset, the determinant and the place of the inner pin.
+        Sets the offset, the determinant, the arm and the place of the inner pin. Raises nothing: where A is farther
+        from the line than the arm is long, the determinant is 0 and the poses do not close.
         """
         rod, rail = self.sides
         offset = self.offset = frames.cross(rail.e, frames.minus(rail.base, rod.base))

@@ -59,8 +59,8 @@ def may_touch_zero(values: Array, rounding: float) -> Booleans:
 
     The answer's last axis lacks the two outer samples. About a double root, or the tip of a magnitude, a sample is at
     most as high as both neighbours together are above it; of a smooth function that stays away it is higher, the more
-    so the finer the samples. Where a neighbour is no finite number the other one has to be that much higher. A sample
-    below zero by more than ``rounding`` does not count.
+    so the finer the samples. Where one neighbour is infinite the other one has to be that much higher; beside nan, or
+    between two infinite ones, no sample counts, nor does one below zero by more than ``rounding``.
     """
     here, beside = values[..., 1:-1], np.stack([values[..., :-2], values[..., 2:]])
     with np.errstate(invalid="ignore"):

@@ -388,7 +388,10 @@ def case_figures(curves: Curves, figures: Mapping[Key, Figure | MechanismFigure]
 
 
 def _figure_time(curves: Curves, figure: Figure) -> Array:
-    """The instant (1,), s, of a figure at a place or a time; raises LinkproofError where the motion has none."""
+    """The instant (1,), s, of a figure at a time, or of the first passage of its place, whole turns aside.
+
+    Raises LinkproofError where the motion has none.
+    """
     if math.isnan(figure.time):
         return curves.instants.times_of_angles(np.array([figure.angle]), "", 1.0)
     return curves.instants.checked_times(np.array([figure.time]))

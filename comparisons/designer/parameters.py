@@ -270,7 +270,7 @@ class SteadyCase:
         """A copy of the case with other numbers, SI, by name, in the same assembly modes.
 
         A speed and unknown names are ignored. Raises StructureError or AssemblyError for a group of a higher class that
-        the sketch then leaves open or that does not meet.
+        the sketch then leaves open or that does not meet, ZeroDivisionError for a direction of zeros.
         """
         numbers = {name: value for name, value in design.items() if name != SPEED}
         return replace(self, mechanism=self.mechanism.redesigned(with_numbers(self.linkage, numbers)))

@@ -18,7 +18,7 @@ import numpy as np
 
 from analytic.designs.figures import STROKE
 from analytic.designs.results import usual_path
-from analytic.errors import AssemblyError, LinkproofError, shortened
+from analytic.errors import AssemblyError, LinkproofError, StructureError, shortened
 from analytic.files import read_file
 from analytic.numerics.arrays import Array, Booleans
 from comparisons.designer.parameters import (
@@ -330,14 +330,15 @@ def sweep(request: SweepRequest, announce: Callable[[str, int, int], object] = l
 def reason_not_assembled(request: SweepRequest) -> str:
     """The sentence why the first design cannot make its motion; "" where it can.
 
-    It cannot be assembled somewhere, or stands in a dead position at or between the crank angles.
+    It cannot be assembled somewhere, leaves an assembly mode open, or stands in a dead position at or between the
+    crank angles.
     """
     case, first = request.case, request.space.block(0, 1)
     try:
         moved = case.redesigned({name: float(values[0]) for name, values in first.items()}).mechanism.sweep(case.places)
         for body in case.mechanism.structure.bodies:
             moved.rates(body)
-    except AssemblyError as error:
+    except (AssemblyError, StructureError) as error:
         return str(error)
     stands = np.all(np.isnan(request.values(first)))
     return f"'{case.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""

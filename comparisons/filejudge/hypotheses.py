@@ -410,12 +410,12 @@ def _of_modes(simulation: Simulation) -> Iterator[Hypothesis]:
 
 
 def _of_joints(simulation: Simulation) -> Iterator[Hypothesis]:
-    """Yield for each pair of links in a pin, without a rotary damper between them, the fault that they have one."""
+    """Yield for each link in a pin, but the pin's hub, that a rotary damper acts between both, where none does yet."""
     linkage = simulation.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
     size = (inertia or 1.0) * (simulation.motion.peak_speed or 1.0)
     present = {frozenset(damper.links) for damper in linkage.dampers}
-    pins = {frozenset((pin.hub, k)): (pin.point, pin.hub, k) for pin in linkage.pins for k in pin.joints.values()}
+    pins = {frozenset((pin.hub, k)): (joint, pin.hub, k) for pin in linkage.pins for joint, k in pin.joints.items()}
     for at, *pair in (place for links, place in pins.items() if links not in present):
 
         def dampers(b: float, pair: Sequence[str] = pair) -> Values:

@@ -284,7 +284,10 @@ def _header_cells(line: str, signs: _Signs) -> Iterator[list[str]]:
 
 
 def _is_value(cell: str) -> bool:
-    """Whether a cell is a number, finite or not, or words for a missing one, such as ``n/a`` or ``#REF!``."""
+    """Whether a stripped cell is a number with a point, finite or not, or words for a missing one, such as ``n/a``.
+
+    An empty cell is none.
+    """
     return bool(NUMBER.fullmatch(cell) or NOT_FINITE.fullmatch(cell))
 
 

@@ -168,7 +168,7 @@ class ExudynWorld:
         return float(self.given["start"] + turned)
 
     def unwind(self, position: Array) -> Array:
-        """A copy of the coordinates without the whole turns of their angles, which are added to ``unwound``.
+        """A copy of coordinates, (3 bodies,), less the nearest whole turns of their angles, added to ``unwound``, rad.
 
         On position level accelerations and forces carry the rounding of angles and times over the square of the step,
         which would grow with them: 2e-5 of the torque's peak after 300 turns.

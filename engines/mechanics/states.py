@@ -125,7 +125,10 @@ def point_velocity(arm: Reals, rate: Reals) -> Reals:
 
 
 def point_acceleration(arm: Reals, rate: Reals, second: Reals) -> Reals:
-    """Acceleration of a point fixed in a body, (n, 2), from its arm (n, 2), the body's rates and their rates (n, 3)."""
+    """Acceleration of a point fixed in a body, (n, 2), ground frame, as ``arm`` (n, 2) from the mass centre is.
+
+    ``rate`` and ``second`` (n, 3) are the first and second time derivatives of the body's pose.
+    """
     return second[:, :2] + second[:, 2:] * across(arm) - rate[:, 2:] ** 2 * arm
 
 

@@ -78,8 +78,8 @@ def requested_results(
 ) -> tuple[Case, NDArray[np.float64] | None]:
     """The motion of a request, as a case, and the instants (n,), s, of its tables; None for the whole motion.
 
-    They are ``at`` degrees, or the file's unit of travel, or at a ``time``, s. Raises LinkproofError for impossible
-    ones and for both.
+    They are the first passages of ``at``, degrees or the file's unit of travel, or at a ``time``, s. Raises
+    LinkproofError for impossible ones and for both.
     """
     if at is not None and time is not None:
         raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")

@@ -153,7 +153,7 @@ class Comparison(Trials):
         return errors_figure(view, _value_by_name("regime", regime, motions))
 
     def printout(self) -> Printout:
-        """The printed comparison: one table per mechanism and regime, then what has changed."""
+        """The printed comparison: a table per mechanism, regime and four runs, what has changed, reasons and counts."""
         results = self.results
         return printout(results.runs, results.changes, results.document["environment"])
 

@@ -207,11 +207,11 @@ def temporary_runs() -> Runs:
 def begin(folder: Path, request: str, command: str) -> tuple[Runs, str]:
     """The store of a request's finished runs, and how an earlier, other request in the folder differed; "" if none.
 
-    ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all else
-    that decides its results, such as versions. ``command`` repeats it with every option. The runs of another request
-    are removed; how it differed is its first other line, then and now. As long as the runs live no other process may
-    write into the folder, and ``save_study`` writes by their connection. Raises LinkproofError for a folder that
-    another command has, or that cannot be used, and for a damaged file.
+    The folder is made if it is missing. ``request`` is the text that tells it from any other: first the command that
+    began it, then, line by line, all else that decides its results, such as versions. ``command`` repeats it with every
+    option. The runs of another request are removed; how it differed is its first other line, then and now. As long as
+    the runs live no other process may write into the folder, and ``save_study`` writes by their connection. Raises
+    LinkproofError for a folder that another command has, or that cannot be used, and for a damaged file.
     """
     lock, connection = claim(folder), _open(folder, to_write=True)
     _check_values(connection, folder)

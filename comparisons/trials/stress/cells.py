@@ -215,7 +215,10 @@ def linkage(conditions: Conditions) -> Linkage:
 
 
 def motion(conditions: Conditions) -> CrankMotion:
-    """The crank motion of a cell whose crank is driven; raises LinkproofError for a wrong regime or number."""
+    """The crank motion of a cell whose crank is driven, at a speed that is not 0.
+
+    Raises LinkproofError for a wrong regime or number; those of a reversal are not checked.
+    """
     turn, start = 2.0 * math.pi / conditions.rate, math.radians(conditions.start_angle)
     if conditions.motion == REVERSAL:
         return reversal(conditions.rate, start, conditions.hold_turns * turn, conditions.reversal_turns * turn)
