@@ -18,7 +18,7 @@ def test_an_example_gives_what_it_shows(name, tmp_path, monkeypatch):
     example = doctest.DocTestParser().get_doctest(text, {"linkproof": linkproof}, name, None, None)
     assert example.examples
     told = []
-    doctest.DocTestRunner().run(example, out=told.append)
+    doctest.DocTestRunner(verbose=False).run(example, out=told.append)
     assert "".join(told) == ""
 
 
