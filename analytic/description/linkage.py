@@ -479,9 +479,14 @@ class Linkage:
         return (*(force.force for force in self.forces), *(torque.torque for torque in self.torques))
 
     @property
+    def has_one_way_loads(self) -> bool:
+        """Whether a load acts only while the output advances, or only while it returns."""
+        return any(law.when for law in self.laws)
+
+    @property
     def has_loads_of_output(self) -> bool:
         """Whether a load depends on the output's travel S or on its direction."""
-        return any(law.over == "S" or law.when for law in self.laws)
+        return self.has_one_way_loads or any(law.over == "S" for law in self.laws)
 
     @property
     def load_period(self) -> float:

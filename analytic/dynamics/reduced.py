@@ -326,7 +326,7 @@ def equation_of_motion(
             f"'{mechanism.linkage.name}': expected joints without friction, got some with it, and a released crank "
             "would stick and slip; leave friction out, or give the crank a motion"
         )
-    if any(law.when for law in mechanism.linkage.laws):
+    if mechanism.linkage.has_one_way_loads:
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected loads that depend on the position alone, got one with when = ..., "
             "and a released crank may turn back; leave when out, or give the crank a motion"
@@ -467,10 +467,8 @@ def near_load_jumps(mechanism: Mechanism, angle: Array) -> Booleans:
 
 def _turning_places(mechanism: Mechanism) -> list[float]:
     """The dead centres, rad, if a load acts one way, since it sets in there; [] if none does or without a full turn."""
-    directed = any(law.when for law in mechanism.linkage.laws)
-    return (
-        [centre.angle for centre in dead_centres(mechanism)] if directed and top_of_turn(mechanism) is not None else []
-    )
+    sets_in = mechanism.linkage.has_one_way_loads and top_of_turn(mechanism) is not None
+    return [centre.angle for centre in dead_centres(mechanism)] if sets_in else []
 
 
 @once_per_mechanism

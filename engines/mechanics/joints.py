@@ -26,8 +26,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.law import FULL_TURN, Law
+from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.mechanics.states import (
     Driver,
     Numbers,
@@ -255,6 +255,11 @@ def scene_size(scene: Scene) -> float:
     """Largest distance, m, of a pin from the mass centre of its body, the scale for gaps; 1 without any."""
     arms = (math.hypot(*anchor) for pin in scene.pins for body, anchor in pin.ends if body != GROUND)
     return max(arms, default=0.0) or 1.0
+
+
+def turn_of_driver(scene: Scene) -> float:
+    """What counts as a turn of the driver: 2π rad of a crank, a travel of the scene's size, m, of a linear driver."""
+    return FULL_TURN if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
 
 
 def _vector_array(pairs: list[Vector]) -> Reals:

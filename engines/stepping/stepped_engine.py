@@ -20,7 +20,7 @@ from analytic.description.law import Law
 from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting, Signal
-from engines.mechanics.joints import scene_size
+from engines.mechanics.joints import scene_size, turn_of_driver
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.mechanics.states import driven, start_motion
 from engines.registry import installed_version, silenced, why_unusable
@@ -71,8 +71,7 @@ class Recipe(Pace):
         Of a linear drive a travel of the scene's size counts as a turn. A free drive has one interval, cut at the kinks
         of its torque if ``at_kinks``.
         """
-        drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
-        pace = self if turns else replace(self, turn=scene_size(scene))
+        drive, pace = scene.drive, replace(self, turn=turn_of_driver(scene))
         if isinstance(drive, Free):
             longest = pace._longest_step(drive.pace or _start_pace(scene))
             if drive.over_time is not None and self.at_kinks:

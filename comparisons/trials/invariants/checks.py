@@ -54,7 +54,7 @@ from comparisons.trials.observed_motion import (
 from engines.contract import History, Signal
 from engines.mechanics.joints import applied_loads
 from engines.mechanics.states import start_coordinate, start_motion
-from engines.scene import LEVELS, Channel, Free, Prescribed, Scene
+from engines.scene import LEVELS, Channel, Free, Prescribed
 
 ROUNDING = 1e-9  # of the time of a turn
 MEAN_POINTS = 10  # of the polynomials through a force: at 6 its mean over a hundred samples is off by 1e-6
@@ -395,7 +395,7 @@ def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Er
             yield record._replace(outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}")
         elif invariant.of_forces and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
-        elif name == "weight_on_frame" and _is_switched(motion.scene):
+        elif name == "weight_on_frame" and case.mechanism.linkage.has_one_way_loads:
             yield _undefined(record, "a load that acts one way alone jumps between samples: no mean is exact")
         elif (invariant.is_balance or invariant.of_forces) and motion.scene.friction:
             yield _undefined(record, "friction by the joints' own forces is no part of the balance")
@@ -408,11 +408,6 @@ def _each_check(case: Case, motion: ObservedMotion, blank: Error) -> Iterator[Er
                 yield _judge_balance(case, record._replace(peak=scale), found)
             else:
                 yield _judge_signal(record, found, scale, total)
-
-
-def _is_switched(scene: Scene) -> bool:
-    """Whether a load acts only while the output advances, or only while it returns."""
-    return any(law.when for law in (*(f.force for f in scene.forces), *(t.torque for t in scene.torques)))
 
 
 def assur_groups(mechanism: Mechanism) -> list[AssurGroup]:

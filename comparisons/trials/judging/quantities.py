@@ -350,7 +350,7 @@ def has_two_values(case: Case, time: Array) -> Booleans:
     A driver at rest has no direction, so that friction and such loads have two values there, too.
     """
     linkage = case.mechanism.linkage
-    is_directed = bool(linkage.friction) or any(law.when for law in linkage.laws)
+    is_directed = bool(linkage.friction) or linkage.has_one_way_loads
     at_rest = is_directed & (case.motion.speed(time) == 0.0)
     near = near_jumps(time, case.motion) | near_load_jumps(case.mechanism, case.motion.angle(time))
     return np.asarray(near | at_rest)

@@ -18,7 +18,6 @@ from itertools import groupby
 from pkgutil import resolve_name
 from typing import Any
 
-from analytic.description.linkage import DriverKind
 from comparisons.motion.case import Case, unpickle_case
 from comparisons.trials.judging.quantities import (
     JOINT_FORCE,
@@ -37,7 +36,7 @@ from comparisons.trials.runs.store import Runs
 from comparisons.trials.runs.workers import ONE_BY_ONE, Announce, Pool, Task, TaskList
 from comparisons.trials.work_precision.table import METHOD, SETTING, Bench, BenchRun, still_improves
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
-from engines.mechanics.joints import scene_size
+from engines.mechanics.joints import turn_of_driver
 from engines.registry import why_unavailable
 from engines.scene import Channel, Scene
 
@@ -52,9 +51,7 @@ def longest_step(case: Case, steps_per_turn: float) -> float:
 
     Of a linear driver a travel of the scene's size counts as a turn, as in the recipes of engines.
     """
-    scene = case.scene(())
-    turn = 2.0 * math.pi if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
-    return turn / (case.motion.peak_speed * steps_per_turn)
+    return turn_of_driver(case.scene(())) / (case.motion.peak_speed * steps_per_turn)
 
 
 def chosen_families(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
